@@ -114,15 +114,20 @@ class Sockets:
                 return
             self.received += data
 
-    def call(self, method, **params):
-        """The result of a request of a client that is not hostile."""
+    def ask(self, method, **params):
+        """The answer to a request of a client that is not hostile."""
         request = {"jsonrpc": "2.0", "id": "call", "method": method, "params": params}
         self.send(json.dumps(request).encode() + b"\n")
         for answer in self.answers("call", 60):
             if answer["id"] == "call":
-                assert "result" in answer, answer
-                return answer["result"]
+                return answer
         raise AssertionError(f"no answer to {method}")
+
+    def call(self, method, **params):
+        """Its result."""
+        answer = self.ask(method, **params)
+        assert "result" in answer, answer
+        return answer["result"]
 
 
 def forbid_programs():
@@ -403,8 +408,7 @@ class Confined(Hostile):
 
     def refusal(self, method, **params):
         client = Sockets(self.path)
-        client.send(json.dumps({"jsonrpc": "2.0", "id": 0, "method": method, "params": params}).encode() + b"\n")
-        answer = next(client.answers(0, 60))
+        answer = client.ask(method, **params)
         client.socket.close()
         self.assertIn("error", answer)
         return answer["error"]["message"]
@@ -443,14 +447,7 @@ class Confined(Hostile):
             for value in ("../beside", "file:../beside", "pty:../beside", "../beside@0.001"):
                 client = Sockets(self.path)
                 settings = {**self.construct()["settings"], "checkpoint.every_s": 0.002, name: value}
-                request = {
-                    "jsonrpc": "2.0",
-                    "id": 0,
-                    "method": "simulation.construct",
-                    "params": {"settings": settings},
-                }
-                client.send(json.dumps(request).encode() + b"\n")
-                answer = next(client.answers(0, 60))
+                answer = client.ask("simulation.construct", settings=settings)
                 if "result" in answer:
                     number = answer["result"]["simulation"]
                     client.call("simulation.advance", simulation=number, seconds=0.01)

@@ -3,13 +3,13 @@
 else shows that it is another processor.
 """
 
-import json
 import re
-import subprocess
 import unittest
 
+import profile_case
 from gdb_test import Packets, Run, gdb
-from harness import CAPSOC, CLEAN, FIRMWARE, Case, output_of, without_host_times
+from harness import CAPSOC, FIRMWARE, Case, output_of
+from profile_case import ask, capsoc
 
 CTEST = {"name": "m0plus", "timeout": 600}
 
@@ -17,36 +17,8 @@ CHOSEN = ("-C", "cpu.profile=m0plus")
 HELLO = FIRMWARE / "hello_m0plus.elf"
 
 
-def capsoc(*arguments):
-    return subprocess.run(
-        [CAPSOC, *map(str, arguments)],
-        capture_output=True,
-        timeout=300,
-        check=False,
-        env=CLEAN,
-        stdin=subprocess.DEVNULL,
-    )
-
-
-class Programs(Case):
-    """Built for it, in every executor."""
-
-    def everywhere(self, program, *options):
-        """Output and results, which are the same in every executor."""
-        seen = []
-        for executor in ("stepping", "blocks", "translator"):
-            file = self.folder / "r.json"
-            out = output_of(
-                *(CAPSOC, "run", FIRMWARE / f"{program}.elf", *CHOSEN, "-C", f"cpu.executor={executor}"),
-                *("--json", file, *options),
-            )
-            result = without_host_times(self.result())
-            result.pop("configuration")
-            result.pop("command")
-            seen.append((out, result))
-        for other in seen[1:]:
-            self.assertEqual(other, seen[0])
-        return seen[0]
+class Programs(profile_case.Programs):
+    CHOSEN = CHOSEN
 
     def test_qemus_cortex_m0_prints_the_same(self):
         theirs = output_of(
@@ -125,19 +97,9 @@ class Differences(Case):
 class Session(Case):
     """capsoc serve."""
 
-    def ask(self, *requests):
-        """The results of methods and their parameters, in one session; of a refused one its sentence."""
-        lines = [
-            json.dumps({"jsonrpc": "2.0", "id": number, "method": method, "params": parameters})
-            for number, (method, parameters) in enumerate(requests)
-        ]
-        out = output_of(CAPSOC, "serve", input="\n".join(lines) + "\n")
-        answers = [json.loads(line) for line in out.splitlines()]
-        return [each.get("result", each.get("error", {}).get("message")) for each in answers]
-
     def test_registers_are_those_that_it_has(self):
         settings = {"firmware.elf": str(HELLO), "cpu.profile": "m0plus"}
-        _, read, refused, listed, value, about = self.ask(
+        _, read, refused, listed, value, about = ask(
             ("simulation.construct", {"settings": settings}),
             ("processor.read", {"simulation": 1}),
             ("processor.write", {"simulation": 1, "register": "basepri", "value": 32}),

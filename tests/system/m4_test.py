@@ -3,13 +3,13 @@
 and what else shows that it is another processor.
 """
 
-import json
 import re
-import subprocess
 import unittest
 
+import profile_case
 from gdb_test import Packets, Run, gdb
-from harness import CAPSOC, CLEAN, FIRMWARE, Case, output_of, without_host_times
+from harness import CAPSOC, FIRMWARE, Case, output_of
+from profile_case import ask, capsoc
 
 CTEST = {"name": "m4", "timeout": 600}
 
@@ -18,35 +18,8 @@ HELLO = FIRMWARE / "hello_m4.elf"
 DSP = FIRMWARE / "dsp_m4.elf"
 
 
-def capsoc(*arguments):
-    return subprocess.run(
-        [CAPSOC, *map(str, arguments)],
-        capture_output=True,
-        timeout=300,
-        check=False,
-        env=CLEAN,
-        stdin=subprocess.DEVNULL,
-    )
-
-
-class Programs(Case):
-    """Built for it, in every executor."""
-
-    def everywhere(self, program):
-        """Output and results, which are the same in every executor."""
-        seen = []
-        for executor in ("stepping", "blocks", "translator"):
-            out = output_of(
-                *(CAPSOC, "run", FIRMWARE / f"{program}.elf", *CHOSEN, "-C", f"cpu.executor={executor}"),
-                *("--json", self.folder / "r.json"),
-            )
-            result = without_host_times(self.result())
-            result.pop("configuration")
-            result.pop("command")
-            seen.append((out, result))
-        for other in seen[1:]:
-            self.assertEqual(other, seen[0])
-        return seen[0]
+class Programs(profile_case.Programs):
+    CHOSEN = CHOSEN
 
     def test_qemus_cortex_m4_prints_the_same(self):
         theirs = output_of(
@@ -148,17 +121,9 @@ class Differences(Case):
 class Session(Case):
     """capsoc serve."""
 
-    def ask(self, *requests):
-        lines = [
-            json.dumps({"jsonrpc": "2.0", "id": number, "method": method, "params": parameters})
-            for number, (method, parameters) in enumerate(requests)
-        ]
-        out = output_of(CAPSOC, "serve", input="\n".join(lines) + "\n")
-        return [each.get("result", each.get("error")) for each in map(json.loads, out.splitlines())]
-
     def test_registers_are_those_that_it_has(self):
         settings = {"firmware.elf": str(HELLO), "cpu.profile": "m4"}
-        _, listed, value, about, _, read = self.ask(
+        _, listed, value, about, _, read = ask(
             ("simulation.construct", {"settings": settings}),
             ("register.list", {"simulation": 1}),
             ("register.read", {"simulation": 1, "name": "SCB.CPUID"}),
