@@ -131,6 +131,14 @@ bool umlal_at_once(Machine& cpu, const Step& op) {
   return accumulate_long(cpu, op, static_cast<int64_t>(unsigned_product(cpu, op)));
 }
 
+uint32_t saturated_halves(Machine& cpu, const Step& op,
+                          SaturationResult (*saturated)(int32_t x, unsigned bits)) {
+  const uint32_t n = cpu.state.r[op.rn];
+  const unsigned width = width_of(op);
+  const uint32_t low = saturate_q(cpu, saturated(bottom(n), width));
+  return halves(saturate_q(cpu, saturated(top(n), width)), low);
+}
+
 uint32_t sum_of_differences(uint32_t n, uint32_t m) {
   uint32_t sum = 0;
   for (unsigned at = 0; at < 32; at += 8) {
@@ -176,6 +184,8 @@ WRITES_RD(smlsd, wrap_q(cpu, products(cpu, op).low - products(cpu, op).high + si
 WRITES_RD(smmul, most_significant(cpu, op, 0, false))
 WRITES_RD(smmla, most_significant(cpu, op, a, false))
 WRITES_RD(smmls, most_significant(cpu, op, a, true))
+WRITES_RD(ssat16, saturated_halves(cpu, op, signed_sat_q))
+WRITES_RD(usat16, saturated_halves(cpu, op, unsigned_sat_q))
 WRITES_RD(usad8, sum_of_differences(n, m))
 WRITES_RD(usada8, a + sum_of_differences(n, m))
 #undef WRITES_RD
@@ -185,22 +195,6 @@ bool Execute::sel(Machine& cpu, const Step& op) {
   for (unsigned lane = 0; lane < 4; ++lane)
     if ((cpu.state.ge >> lane & 1) != 0) from_n |= 0xFFu << 8 * lane;
   cpu.state.r[op.rd] = (cpu.state.r[op.rn] & from_n) | (cpu.state.r[op.rm] & ~from_n);
-  return true;
-}
-
-bool Execute::ssat16(Machine& cpu, const Step& op) {
-  const uint32_t n = cpu.state.r[op.rn];
-  const unsigned width = width_of(op);
-  const uint32_t low = saturate_q(cpu, signed_sat_q(bottom(n), width));
-  cpu.state.r[op.rd] = halves(saturate_q(cpu, signed_sat_q(top(n), width)), low);
-  return true;
-}
-
-bool Execute::usat16(Machine& cpu, const Step& op) {
-  const uint32_t n = cpu.state.r[op.rn];
-  const unsigned width = width_of(op);
-  const uint32_t low = saturate_q(cpu, unsigned_sat_q(bottom(n), width));
-  cpu.state.r[op.rd] = halves(saturate_q(cpu, unsigned_sat_q(top(n), width)), low);
   return true;
 }
 
