@@ -59,14 +59,13 @@ constexpr SystemException system_exceptions[] = {
     {exception::systick, "systick", ppb::SYST_CSR},
 };
 
-/// Bits of a register that programs can write.
+/// Bits of a register, at their places in it. A core has those that programs can write there.
 struct WritableField {
   const char *name, *path;
   uint32_t reg;
   unsigned low, bits;
 };
 constexpr WritableField writable_fields[] = {
-    {"nvic.enabled", "nvic.enabled", ppb::NVIC_ISER, 16, 32},
     {"systick.enable", "systick.csr", ppb::SYST_CSR, 0, 1},
     {"systick.tickint", "systick.csr", ppb::SYST_CSR, 1, 1},
     {"systick.clksource", "systick.csr", ppb::SYST_CSR, 2, 1},
@@ -77,9 +76,6 @@ constexpr WritableField writable_fields[] = {
     {"scb.sevonpend", "scb.scr", ppb::SCR, 4, 1},
     {"mpu.ctrl", "mpu.ctrl", ppb::MPU_CTRL, 0, 3},
     {"mpu.rnr", "mpu.rnr", ppb::MPU_RNR, 0, 3},
-};
-/// The same of registers that not every core can write.
-constexpr WritableField masked_fields[] = {
     {"scb.nonbasethrdena", "scb.ccr", ppb::CCR, 0, 1},
     {"scb.usersetmpend", "scb.ccr", ppb::CCR, 1, 1},
     {"scb.unalign_trp", "scb.ccr", ppb::CCR, 3, 1},
@@ -91,11 +87,14 @@ constexpr WritableField masked_fields[] = {
     {"scb.usgfaultena", "scb.shcsr", ppb::SHCSR, 18, 1},
 };
 /// Of each region. Bits of RBAR below 5 do not exist.
-constexpr WritableField region_fields[] = {
-    {"rbar", "rbar", ppb::MPU_RBAR, 5, 27},      {"enable", "rasr", ppb::MPU_RBAR, 0, 1},
-    {"size", "rasr", ppb::MPU_RBAR, 1, 5},       {"srd", "rasr", ppb::MPU_RBAR, 8, 8},
-    {"tex_s_c_b", "rasr", ppb::MPU_RBAR, 16, 6}, {"ap", "rasr", ppb::MPU_RBAR, 24, 3},
-    {"xn", "rasr", ppb::MPU_RBAR, 28, 1},
+struct RegionField {
+  const char *name, *path;
+  unsigned low, bits;
+};
+constexpr RegionField region_fields[] = {
+    {"rbar", "rbar", 5, 27}, {"enable", "rasr", 0, 1},     {"size", "rasr", 1, 5},
+    {"srd", "rasr", 8, 8},   {"tex_s_c_b", "rasr", 16, 6}, {"ap", "rasr", 24, 3},
+    {"xn", "rasr", 28, 1},
 };
 
 class Fields {
@@ -106,13 +105,10 @@ class Fields {
     list_.push_back({name, name.substr(0, name.find('.')), path, low, bits});
   }
   void add(const WritableField& one) {
-    if (registers_.has(one.reg)) add(one.name, one.path, one.low, one.bits);
-  }
-  void add_masked(const WritableField& one) {
     const uint32_t mask = ((1U << one.bits) - 1) << one.low;
     if (registers_.has(one.reg) &&
         (registers_.at(one.reg).description.writable_mask & mask) == mask)
-      add(one);
+      add(one.name, one.path, one.low, one.bits);
   }
   std::vector<SystemField> take() { return std::move(list_); }
 
@@ -126,7 +122,7 @@ class Fields {
 std::vector<SystemField> system_fields(const armv7m::Core& core) {
   const armv7m::SystemRegisters& registers = *core.profile().registers;
   Fields fields(core);
-  for (const char* state : {"pending", "active"})
+  for (const char* state : {"enabled", "pending", "active"})
     fields.add(fmt::format("nvic.{}", state), fmt::format("nvic.{}", state),
                exception::first_interrupt, exception::interrupts);
   const auto width = static_cast<unsigned>(__builtin_popcount(core.state().nvic.priority_mask()));
@@ -149,10 +145,9 @@ std::vector<SystemField> system_fields(const armv7m::Core& core) {
   if ((registers.at(ppb::AIRCR).description.writable_mask & 0x700) != 0)
     fields.add("scb.prigroup", "scb.prigroup", 0, 3);
   for (const WritableField& each : writable_fields) fields.add(each);
-  for (const WritableField& each : masked_fields) fields.add_masked(each);
   if (registers.has(ppb::MPU_RBAR))
     for (unsigned region = 0; region < armv7m::Mpu::regions; ++region)
-      for (const WritableField& each : region_fields)
+      for (const RegionField& each : region_fields)
         fields.add(fmt::format("mpu.{}.{}", region, each.name),
                    fmt::format("mpu.{}.{}", each.path, region), each.low, each.bits);
   return fields.take();
