@@ -20,6 +20,7 @@
 #include <string_view>
 
 #include "host/child_process.h"
+#include "host/descriptor_passing.h"
 #include "host/end_signals.h"
 #include "service/board.h"
 #include "service/board_verbs.h"
@@ -105,25 +106,6 @@ bool is_of_history(const std::string& method) {
                                             cause_method, picture_method, events_method,
                                             trace_method, why_method};
   return all.count(method) > 0;
-}
-
-/// A descriptor that came over a Unix socket; an invalid one: none did.
-host::Descriptor receive_descriptor(int socket) {
-  char byte = 0;
-  iovec piece{&byte, 1};
-  alignas(cmsghdr) char room[CMSG_SPACE(sizeof(int))] = {};
-  msghdr message{};
-  message.msg_iov = &piece;
-  message.msg_iovlen = 1;
-  message.msg_control = room;
-  message.msg_controllen = sizeof room;
-  while (recvmsg(socket, &message, MSG_CMSG_CLOEXEC) < 0)
-    if (errno != EINTR || host::noted_signal() != 0) return host::Descriptor();
-  const cmsghdr* const header = CMSG_FIRSTHDR(&message);
-  if (header == nullptr || header->cmsg_type != SCM_RIGHTS) return host::Descriptor();
-  int descriptor = -1;
-  std::memcpy(&descriptor, CMSG_DATA(header), sizeof descriptor);
-  return host::Descriptor(descriptor);
 }
 
 class Worker {
@@ -330,7 +312,7 @@ class Worker {
 
   /// In the spare the answer; in the new worker, which has its own connection, nothing to be sent.
   Answer fork_worker(const Json& parameters, const Frames& frames) {
-    host::Descriptor connection = receive_descriptor(ends_.get());
+    host::Descriptor connection = host::receive_descriptor(ends_.get());
     if (!connection.valid()) return refuse("no connection came");
     if (parameters.contains("history")) {
       auto history = History::unpack(parameters.at("history"), frames, std::move(*past_));
@@ -673,22 +655,7 @@ Result<host::Descriptor> WorkerProcess::connect_next() const {
   host::Descriptor ours(pair[0]);
   const host::Descriptor theirs(pair[1]);
   fcntl(ours.get(), F_SETFL, O_NONBLOCK);
-  char byte = 0;
-  iovec piece{&byte, 1};
-  alignas(cmsghdr) char room[CMSG_SPACE(sizeof(int))] = {};
-  msghdr message{};
-  message.msg_iov = &piece;
-  message.msg_iovlen = 1;
-  message.msg_control = room;
-  message.msg_controllen = sizeof room;
-  cmsghdr* const header = CMSG_FIRSTHDR(&message);
-  header->cmsg_level = SOL_SOCKET;
-  header->cmsg_type = SCM_RIGHTS;
-  header->cmsg_len = CMSG_LEN(sizeof(int));
-  const int descriptor = theirs.get();
-  std::memcpy(CMSG_DATA(header), &descriptor, sizeof descriptor);
-  if (sendmsg(ends.get(), &message, MSG_DONTWAIT | MSG_NOSIGNAL) != 1)
-    return Error{std::strerror(errno)};
+  if (!host::send_descriptor(ends.get(), theirs.get())) return Error{std::strerror(errno)};
   return ours;
 }
 

@@ -15,6 +15,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Where a name leads to, whether or not something is there.
+fs::path real_path(const std::string& name, std::error_code& error) {
+  return fs::weakly_canonical(fs::absolute(name, error), error);
+}
+
 /// Two files with the same text here are one; "": with none.
 std::string identity(const struct stat& status) {
   const bool counts = S_ISREG(status.st_mode) || S_ISDIR(status.st_mode);
@@ -27,8 +32,7 @@ std::string identity(const std::string& name) {
   struct stat status {};
   if (stat(place.path.c_str(), &status) == 0) return identity(status);
   std::error_code error;
-  const fs::path absolute = fs::absolute(place.path, error);
-  return (fs::weakly_canonical(absolute.parent_path(), error) / absolute.filename()).string();
+  return real_path(place.path, error).string();
 }
 
 struct Known {
@@ -82,8 +86,7 @@ std::optional<Error> check_within(const std::vector<FileUse>& uses, const std::s
   for (const FileUse& use : uses) {
     if (use.kind != FileUse::Kind::output || use.path.empty()) continue;
     std::error_code unknown;
-    const fs::path real =
-        fs::weakly_canonical(fs::absolute(place_of(use.path).path, unknown), unknown);
+    const fs::path real = real_path(place_of(use.path).path, unknown);
     if (real == "/dev/null") continue;
     const auto [end, after] = std::mismatch(root.begin(), root.end(), real.begin(), real.end());
     if (error || unknown || end != root.end() || after == real.end())
