@@ -19,7 +19,7 @@ namespace {
 
 struct ServeArguments {
   std::string socket;
-  std::string writes_in = ".";
+  std::string writes_in;
   std::optional<uint16_t> port;
   bool schema = false;
 };
@@ -29,15 +29,22 @@ int serve(const ServeArguments& arguments) {
     host::print("{}\n", service::Session::schema().dump(2));
     return run::exit_code::pass;
   }
+  const bool has_door = !arguments.socket.empty() || arguments.port;
+  if (!has_door && !arguments.writes_in.empty())
+    return refuse(
+        "--write is for clients of --socket or --port; a client on standard input may write where "
+        "its process may");
   host::note_end_signals();
   service::Door door;
   std::optional<host::RemovedAtSignal> removed;
-  if (!arguments.socket.empty() || arguments.port) {
+  if (has_door) {
     auto opened = arguments.port ? service::open_port(*arguments.port)
                                  : service::open_socket(arguments.socket);
     if (!opened) return refuse(opened.error());
     door = std::move(opened.value());
-    door.writes_in = std::filesystem::canonical(arguments.writes_in).string();
+    door.writes_in =
+        std::filesystem::canonical(arguments.writes_in.empty() ? "." : arguments.writes_in)
+            .string();
   }
   service::Session(std::move(door)).serve();
   if (!arguments.socket.empty()) unlink(arguments.socket.c_str());

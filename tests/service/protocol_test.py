@@ -662,6 +662,9 @@ class Hostile(Driven):
         self.assertEqual(program.read_bytes(), (FIRMWARE / "hello.elf").read_bytes())
 
     def test_its_parent_may_write_anywhere(self):
+        done = subprocess.run([CAPSOC, "serve", "--write", "."], env=CLEAN, capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("--write is for clients of --socket or --port", done.stderr)
         with tempfile.TemporaryDirectory() as elsewhere:
             self.session("simulation.save", simulation=self.construct(), file=f"{elsewhere}/state")
             self.assertEqual(os.listdir(elsewhere), ["state"])
