@@ -1,4 +1,4 @@
-"""What the tests of the processors beside the Cortex-M3 share."""
+"""What the tests of the processors other than the Cortex-M3 share."""
 
 import json
 import subprocess
