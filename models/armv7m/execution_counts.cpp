@@ -66,6 +66,14 @@ void ExecutionCounts::note(Change change) {
   if (recording_) recorded_.push_back(change);
 }
 
+void ExecutionCounts::decoded(const DecodedOp& op) {
+  constexpr uint32_t r0 = 1, sp = 1 << 13;
+  uint32_t changes = written_by(op);
+  if (op.operation == Operation::msr) changes |= sp;
+  if (op.operation == Operation::bkpt) changes |= r0;
+  page(op.address).changes[halfword_of(op.address)] |= static_cast<uint16_t>(changes);
+}
+
 void ExecutionCounts::moved(uint32_t from, uint32_t to) {
   if (from == to) return;
   note({Kind::depart, from});
@@ -153,6 +161,20 @@ std::map<uint32_t, ExecutionCounts::Totals> ExecutionCounts::totals() const {
     next = number + 1;
   }
   return totals;
+}
+
+uint32_t ExecutionCounts::changed_registers(const std::map<uint32_t, Totals>& before) const {
+  constexpr uint32_t below_pc = 0x7FFF;
+  uint32_t changed = 0;
+  const std::map<uint32_t, Totals> now = totals();
+  for (const uint32_t number : page_numbers_) {
+    const auto sums = now.find(number), old = before.find(number);
+    if (sums == now.end()) continue;
+    for (uint32_t i = 0; i < halfwords; ++i)
+      if (sums->second.executed[i] != (old == before.end() ? 0 : old->second.executed[i]))
+        changed |= pages_[number]->changes[i];
+  }
+  return changed & below_pc;
 }
 
 }  // namespace capsoc::armv7m

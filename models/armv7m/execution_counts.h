@@ -27,6 +27,9 @@ class ExecutionCounts {
   static constexpr unsigned halfwords = 1u << (page_bits - 1);  ///< of a page
 
   // What happens, for the executors
+  /// Each instruction, before it is executed for the first time and whenever memory has changed
+  /// since.
+  void decoded(const DecodedOp& op);
   /// Execution continues at `to` instead of `from`.
   void moved(uint32_t from, uint32_t to);
   /// An instruction has left its block without an event, towards `pc`.
@@ -61,11 +64,15 @@ class ExecutionCounts {
   };
   /// Totals so far, by page number. Call between two runs of the core.
   std::map<uint32_t, Totals> totals() const;
+  /// The registers R0 to R14 that an instruction executed since `before` may have changed, a bit
+  /// each; one that was skipped counts.
+  uint32_t changed_registers(const std::map<uint32_t, Totals>& before) const;
 
  private:
   struct Page {
     std::array<int64_t, halfwords> line{};  ///< how much more often than the halfword before it
     std::array<uint64_t, halfwords> skipped{}, taken{};
+    std::array<uint16_t, halfwords> changes{};  ///< registers, by all that were decoded here
   };
   struct Branch {
     uint32_t address, from, to;

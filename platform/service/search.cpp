@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <utility>
 
+#include "armv7m/execution_counts.h"
 #include "base/printable.h"
 #include "service/signals.h"
 #include "service/stop_points.h"
@@ -104,6 +106,37 @@ std::optional<Error> Search::find_register(unsigned index) {
   return std::nullopt;
 }
 
+/// By the instructions that each stretch executes. An input may change any register.
+std::optional<Error> Search::narrow(unsigned index) {
+  constexpr uint64_t stretches = 64;
+  constexpr unsigned general_registers = 15;
+  const Position begin = board_.position();
+  const uint64_t all = part_.end.instructions - begin.instructions;
+  Json& stretch = found_["stretch"] = nullptr;
+  armv7m::ExecutionCounts counts;
+  armv7m::Core& core = board_.soc().cpu.core();
+  core.count_executions(&counts);
+  std::map<uint32_t, armv7m::ExecutionCounts::Totals> totals;
+  bool has_input = false;
+  watcher_.on_input = [&has_input](const Input&, bool) { has_input = true; };
+  std::optional<Error> error;
+  for (uint64_t i = 1; i <= stretches && !error && !is_cut_; ++i) {
+    const Position from = board_.position();
+    Advance advance(board_);
+    advance.watch(watcher_);
+    error = i == stretches
+                ? advance.go(part_.end)
+                : advance.go(Target{Unit::instructions, begin.instructions + all * i / stretches});
+    is_cut_ = advance.is_interrupted();
+    const bool may_change = index >= general_registers || std::exchange(has_input, false) ||
+                            (counts.changed_registers(totals) >> index & 1U) != 0;
+    if (may_change) stretch = {to_json(from), to_json(board_.position())};
+    totals = counts.totals();
+  }
+  core.count_executions(nullptr);
+  return error;
+}
+
 /// At the instants of a grid of absolute times in the part.
 std::optional<Error> Search::walk_grid(uint64_t every_ps,
                                        const std::function<std::optional<Error>()>& look) {
@@ -178,6 +211,8 @@ Answer Search::perform(const Json& what) {
     error = find_points(what.at("points"));
   else if (what.contains("write"))
     error = find_write(what.at("write").at(0).get<uint32_t>(), what.at("write").at(1));
+  else if (what.contains("narrow"))
+    error = narrow(what.at("register").get<unsigned>());
   else if (what.contains("register"))
     error = find_register(what.at("register").get<unsigned>());
   else if (what.contains("expression"))

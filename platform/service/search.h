@@ -32,7 +32,9 @@ class Search final : private armv7m::Observer {
   /// Searches for:
   /// - {"points"}: the last instant at which debugger.resume would have stopped
   /// - {"write": [address, size]}: the last write to one of these bytes
-  /// - {"register": index}: the last instruction that changed it
+  /// - {"register": index}: the last instruction that changed it; with {"narrow": true} only the
+  ///   last stretch in which one may have changed it, which needs no observer: {"hit": null,
+  ///   "stretch": [position, position]}, or null
   /// - {"expression", "every_ps"}: the last instant of the grid at which it was not 0
   /// - {"name" or "signal", "every_ps"}: the last change of a register or field of a device, or of
   ///   a signal of the coprocessor
@@ -46,6 +48,7 @@ class Search final : private armv7m::Observer {
   std::optional<Error> find_points(const Json& points);
   std::optional<Error> find_write(uint32_t address, uint32_t size);
   std::optional<Error> find_register(unsigned index);
+  std::optional<Error> narrow(unsigned index);
   std::optional<Error> find_expression(const Json& what);
   std::optional<Error> find_change(const Json& what);
   std::optional<Error> find_signal(const std::string& name);

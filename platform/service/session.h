@@ -131,9 +131,14 @@ class Session {
   void find(Request& request, Json what,
             std::function<void(const std::shared_ptr<Seek>&, Json)> found);
   void search(const std::shared_ptr<Seek>& seek, std::size_t part);
+  static bool is_long(const Seek& seek, std::size_t part, const Position& end);
   void search_part(const std::shared_ptr<Seek>& seek, std::size_t part, const Position& end,
-                   bool is_last, uint64_t length);
-  void search_whole(const std::shared_ptr<Seek>& seek, std::size_t part, const Position& end);
+                   unsigned in_vain = 0);
+  void search_before(const std::shared_ptr<Seek>& seek, std::size_t part);
+  void narrow(const std::shared_ptr<Seek>& seek, std::size_t part, const Position& end,
+              unsigned in_vain);
+  void ask_search(const std::shared_ptr<Seek>& seek, Json begin, Json what, const Position& end,
+                  bool is_first, std::function<void(Json found)> take);
   void search_from(const std::shared_ptr<Seek>& seek, Json begin, const Position& end,
                    bool is_first, std::function<void(const Position& from)> not_found);
   void refine(const std::shared_ptr<Seek>& seek, Json found);

@@ -19,7 +19,9 @@ constexpr double ps_in_second = 1e12, latest_s = 1e6;
 constexpr uint64_t finer = 1000, finest_ps = 1000;
 /// What a request writes shows in a register of a device at one of the next edges of its clock.
 constexpr uint64_t cycles_of_a_write = 2;
-constexpr uint64_t near_instructions = 1'000'000, longer_piece = 4;
+constexpr uint64_t near_instructions = 1'000'000;
+/// How many stretches in which a register stays as it was before the rest of the part is observed.
+constexpr unsigned most_in_vain = 4;
 
 struct Named {
   const char* name;
@@ -204,60 +206,85 @@ void Session::replace(const std::shared_ptr<Seek>& seek, Json goal, Json more) {
              });
 }
 
-/// Part after part of the history, the last one first.
+/// Part after part of the history, the last one first. What is looked for at every instruction may
+/// be near: the end of the last part comes before the rest of it, which is reached without a look.
 void Session::search(const std::shared_ptr<Seek>& seek, std::size_t part) {
   const bool is_last =
       part + 1 >= seek->snapshots.size() || !(seek->snapshots[part + 1] < seek->now);
-  search_part(seek, part, is_last ? seek->now : seek->snapshots[part + 1], is_last,
-              near_instructions);
+  const Position& end = is_last ? seek->now : seek->snapshots[part + 1];
+  const bool everywhere = seek->what.contains("register") || seek->what.contains("write") ||
+                          seek->what.contains("points");
+  if (!is_last || !everywhere || !is_long(*seek, part, end)) return search_part(seek, part, end);
+  const Target near{Unit::instructions, end.instructions - near_instructions};
+  search_from(seek, {{"goal", to_json(near)}}, end, false,
+              [this, seek, part](const Position& from) { search_part(seek, part, from); });
 }
 
-/// What is looked for at every instruction may be near: the end of the last part comes before the
-/// rest of it, which is reached without a look. To observe a register takes so long that each part
-/// is searched in pieces, the last one first, each longer than the one before.
+/// From the snapshot to `end` there is more than what is searched first.
+bool Session::is_long(const Seek& seek, std::size_t part, const Position& end) {
+  return seek.snapshots[part].instructions + near_instructions < end.instructions;
+}
+
+/// A part without what comes after `end`.
 void Session::search_part(const std::shared_ptr<Seek>& seek, std::size_t part, const Position& end,
-                          bool is_last, uint64_t length) {
-  const bool is_register = seek->what.contains("register");
-  const bool everywhere =
-      is_register || seek->what.contains("write") || seek->what.contains("points");
-  const uint64_t begin = end.instructions - std::min(end.instructions, length);
-  if (everywhere && (is_last || is_register) &&
-      seek->snapshots[part].instructions + near_instructions < begin)
-    return search_from(seek, {{"goal", to_json(Target{Unit::instructions, begin})}}, end, false,
-                       [this, seek, part, is_register, length](const Position& from) {
-                         if (is_register)
-                           search_part(seek, part, from, false, length * longer_piece);
-                         else
-                           search_whole(seek, part, from);
-                       });
-  search_whole(seek, part, end);
+                          unsigned in_vain) {
+  const bool narrows = seek->what.contains("register") && in_vain < most_in_vain;
+  if (narrows && is_long(*seek, part, end)) return narrow(seek, part, end, in_vain);
+  search_from(seek, {{"snapshot", part}}, end, part == 0,
+              [this, seek, part](const Position&) { search_before(seek, part); });
 }
 
-void Session::search_whole(const std::shared_ptr<Seek>& seek, std::size_t part,
-                           const Position& end) {
-  search_from(seek, {{"snapshot", part}}, end, part == 0, [this, seek, part](const Position&) {
-    if (part > 0) return search(seek, part - 1);
-    seek->found(*seek, {{"hit", nullptr}});
-  });
+/// What is before a part.
+void Session::search_before(const std::shared_ptr<Seek>& seek, std::size_t part) {
+  if (part > 0) return search(seek, part - 1);
+  seek->found(*seek, {{"hit", nullptr}});
+}
+
+/// To observe a register takes long: only the last stretch of the part in which an instruction may
+/// have changed it. It was in vain where all that wrote to the register wrote the value that it
+/// had.
+void Session::narrow(const std::shared_ptr<Seek>& seek, std::size_t part, const Position& end,
+                     unsigned in_vain) {
+  Json what = seek->what;
+  what["narrow"] = true;
+  ask_search(seek, {{"snapshot", part}}, std::move(what), end, part == 0,
+             [this, seek, part, in_vain](Json found) {
+               if (found.at("stretch").is_null()) return search_before(seek, part);
+               const Json& from = found.at("stretch").at(0);
+               const Position to = position_in(found.at("stretch").at(1)).value_or(seek->now);
+               search_from(seek, {{"goal", from}}, to, false,
+                           [this, seek, part, in_vain](const Position& before) {
+                             search_part(seek, part, before, in_vain + 1);
+                           });
+             });
 }
 
 /// `not_found` gets the position at which this part begins.
 void Session::search_from(const std::shared_ptr<Seek>& seek, Json begin, const Position& end,
                           bool is_first, std::function<void(const Position& from)> not_found) {
+  ask_search(seek, std::move(begin), seek->what, end, is_first,
+             [seek, not_found = std::move(not_found)](Json found) {
+               if (found.at("hit").is_null())
+                 return not_found(position_in(found.at("from")).value_or(Position()));
+               found.erase("from");
+               seek->found(*seek, std::move(found));
+             });
+}
+
+/// What Search::perform() answers in a worker that begins there.
+void Session::ask_search(const std::shared_ptr<Seek>& seek, Json begin, Json what,
+                         const Position& end, bool is_first, std::function<void(Json found)> take) {
   ask_past(seek, std::move(begin), search_method,
-           {{"what", seek->what},
+           {{"what", std::move(what)},
             {"end", to_json(end)},
             {"now", to_json(seek->now)},
             {"is_first", is_first}},
-           {}, [this, seek, not_found = std::move(not_found)](Answer answer) {
+           {}, [this, seek, take = std::move(take)](Answer answer) {
              if (answer.ok() && answer.result.at("interrupted") == Json(true))
                answer = refuse("the search was interrupted; the simulation stays where it was");
              if (!answer.ok()) return end_seek(*seek, std::move(answer));
-             if (answer.result.at("hit").is_null())
-               return not_found(position_in(answer.result.at("from")).value_or(Position()));
              answer.result.erase("interrupted");
-             answer.result.erase("from");
-             seek->found(*seek, std::move(answer.result));
+             take(std::move(answer.result));
            });
 }
 

@@ -87,7 +87,7 @@ TEST_P(Agreement, WithSteppingOnRandomProgramsForEveryQuantum) {
   const Executor executor = GetParam().executor;
   const Profile& profile = *GetParam().profile;
   const unsigned long programs = repetitions("CAPSOC_AGREEMENT", 1500);
-  uint64_t instructions = 0, faults = 0, translated = 0;
+  uint64_t instructions = 0, faults = 0, translated = 0, registers_unchanged = 0;
   const unsigned long first = repetitions("CAPSOC_AGREEMENT_SEED", 1);
   for (auto seed = static_cast<uint32_t>(first); seed < first + programs; ++seed) {
     Bench a(seed % 3, profile), b(seed % 3, profile);
@@ -97,6 +97,7 @@ TEST_P(Agreement, WithSteppingOnRandomProgramsForEveryQuantum) {
     prepare(b, seed);
     std::optional<StepCounts> steps;
     ExecutionCounts executed;
+    std::map<uint32_t, ExecutionCounts::Totals> totals;
     if (seed % 2 == 0) {
       steps.emplace(a.core);
       b.core.count_executions(&executed);
@@ -110,6 +111,12 @@ TEST_P(Agreement, WithSteppingOnRandomProgramsForEveryQuantum) {
       if (middle < until) b.core.run(middle);  // one more cut must change nothing
       StopReason reason = b.core.run(until);
       ASSERT_NO_FATAL_FAILURE(expect_equal(a, b, seed));
+      if (steps) {
+        const uint32_t changed = steps->take_changed(), told = executed.changed_registers(totals);
+        ASSERT_EQ(changed & ~told, 0U) << "seed " << seed;
+        totals = executed.totals();
+        registers_unchanged += 15 - static_cast<uint64_t>(__builtin_popcount(told));
+      }
       if (reason == StopReason::lockup) break;
       unsigned line = random() % 32;
       bool level = random() % 2 != 0;
@@ -131,6 +138,7 @@ TEST_P(Agreement, WithSteppingOnRandomProgramsForEveryQuantum) {
               programs, static_cast<unsigned long long>(instructions),
               static_cast<unsigned long long>(translated), static_cast<unsigned long long>(faults));
   EXPECT_GT(instructions, programs * 66);
+  EXPECT_GT(registers_unchanged, programs);
   if (executor == Executor::translator && has_translator()) {
     EXPECT_GT(translated, programs);
   }

@@ -52,6 +52,23 @@ TEST(Observer, SeesInstructionsAndExceptionsInTheirOrder) {
   EXPECT_EQ(notes.at - notes.since, 12U);
 }
 
+TEST(ExecutionCounts, RegistersThatWhatWasExecutedMayHaveChanged) {
+  for (const Executor executor : {Executor::stepping, Executor::blocks, Executor::translator}) {
+    Bench b;
+    b.core.set_executor(executor);
+    ExecutionCounts counts;
+    b.core.count_executions(&counts);
+    // movs r2,#1; push {r1}; pop {r5}; b next; movs r7,#0 (skipped over); next: nop; nop; b next
+    b.start({0x2201, 0xB402, 0xBC20, 0xE000, 0x2700, 0xBF00, 0xBF00, 0xE7FC});
+    b.core.run(30);
+    EXPECT_EQ(counts.changed_registers({}), 1U << 2 | 1U << 5 | 1U << 13);
+    const auto before = counts.totals();
+    b.core.run(300);
+    EXPECT_EQ(counts.changed_registers(before), 0U);
+    b.core.count_executions(nullptr);
+  }
+}
+
 TEST(Observer, SeesTailChains) {
   Bench b;
   Notes notes;

@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstdint>
 #include <map>
+#include <utility>
 
 #include "armv7m/core.h"
 
@@ -26,8 +28,12 @@ class StepCounts : public Observer {
   /// By halfword.
   const std::map<uint32_t, Count>& counts() const { return counts_; }
 
+  /// The registers R0 to R14 that instructions have changed since the last call, a bit each.
+  uint32_t take_changed() { return std::exchange(changed_, 0); }
+
   void issued(const Core& core, const DecodedOp& op) override {
     const State& state = core.state();
+    before_ = registers(core);
     const bool skips = op.condition != condition_always && !state.condition_passed(op.condition);
     for (uint32_t at = op.address; at != next_address(op); at += 2) {
       ++counts_[at].executed;
@@ -35,13 +41,23 @@ class StepCounts : public Observer {
     }
     if (!skips && takes(state, op)) ++counts_[op.address].taken;
   }
-  void retired(const Core&, const DecodedOp&) override {}
+  void retired(const Core& core, const DecodedOp&) override {
+    const auto now = registers(core);
+    for (unsigned n = 0; n < now.size(); ++n)
+      if (now[n] != before_[n]) changed_ |= 1U << n;
+  }
   void entered(const Core&, unsigned, Entry, uint64_t) override {}
   void returned(const Core&, unsigned) override {}
   void accessed(const Core&, const DirectAccess&) override {}
   void started(const Core&) override {}
 
  private:
+  using Registers = std::array<uint32_t, 15>;
+  static Registers registers(const Core& core) {
+    Registers all{};
+    for (unsigned n = 0; n < all.size(); ++n) all[n] = core.reg(n);
+    return all;
+  }
   static bool takes(const State& state, const DecodedOp& op) {
     switch (op.operation) {
       case Operation::bcond:
@@ -57,6 +73,8 @@ class StepCounts : public Observer {
 
   Core& core_;
   std::map<uint32_t, Count> counts_;
+  Registers before_{};
+  uint32_t changed_ = 0;
 };
 
 inline void expect_same_counts(const StepCounts& steps, const ExecutionCounts& counts) {

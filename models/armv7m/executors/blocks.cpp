@@ -62,6 +62,7 @@ std::unique_ptr<Step[]> Blocks::build(uint32_t address, CodePage& page) const {
     }
     Step step;
     static_cast<DecodedOp&>(step) = decode(address, first, second, it, machine_.profile);
+    if (machine_.counts != nullptr) machine_.counts->decoded(step);
     const bool depends =
         it != 0 || (trail & timing::trail_pairs) != 0 || timing::folds(trail, step);
     if (steps.size() >= (branches ? usual_length : straight_length) && !depends) break;

@@ -47,6 +47,7 @@ bool Stepping::step(bool (*permits)(const DecodedOp&)) {
     return true;
   }
   Step step = decoded(address, first, second);
+  if (machine_.counts != nullptr) machine_.counts->decoded(step);
   if (Execute::cannot_continue(step)) {
     machine_.fault(step, Cause::invalid_state);
     faulted();

@@ -191,5 +191,8 @@ inline unsigned branch_condition(const DecodedOp& op) {
 /// True for an operation after which execution may continue elsewhere, or the machine's mode
 /// changes.
 bool ends_block(const DecodedOp& op);
+/// The registers R0 to R15 that an operation writes if it does not fault, a bit each. Without those
+/// that change with the mode: SP by MSR, R0 by a semihosting call, what an exception stacks.
+uint32_t written_by(const DecodedOp& op);
 
 }  // namespace capsoc::armv7m

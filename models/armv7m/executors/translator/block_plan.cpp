@@ -17,23 +17,6 @@ bool stands_alone(const Step& step) {
 
 }  // namespace
 
-uint32_t written_by(const DecodedOp& op) {
-  const auto bit = [](unsigned n) { return n < 16 ? 1u << n : 0u; };
-  const bool indexed = op.writeback || op.addressing == Addressing::pre_indexed ||
-                       op.addressing == Addressing::post_indexed;
-  if (is(op, kind::transfer)) {
-    uint32_t set = indexed ? bit(op.rn) : 0;
-    if (is(op, kind::load | kind::dual_load | kind::exclusive_load)) set |= bit(op.rd);
-    if (is(op, kind::dual_load | kind::exclusive_store)) set |= bit(op.ra);
-    if (is(op, kind::multiple_load)) set |= op.list.bits;
-    return set;
-  }
-  if (op.operation == Operation::bl || op.operation == Operation::blx) return bit(14);
-  if (is(op, kind::compare | kind::any_branch | kind::none)) return 0;
-  if (is(op, kind::system)) return op.operation == Operation::mrs ? bit(op.rd) : 0;
-  return bit(op.rd) | (is(op, kind::two_results) ? bit(op.ra) : 0);
-}
-
 bool writes_sp(const Step& step) {
   if (step.body != &both<Execute::align_sp> || step.rd != 13 || step.set_flags) return false;
   switch (step.operation) {

@@ -20,8 +20,6 @@ bool writes_sp(const Step& step);
 bool moves_stack_pointer(const Step& step);
 /// True where translated code may leave the block, so that all flags can be seen.
 bool may_be_left_at(const Step& step);
-/// The registers that an operation writes, a bit each.
-uint32_t written_by(const DecodedOp& op);
 
 /// What is to be translated: the steps of a block, where it is cut, which flags are live, and the
 /// step that is being written. Writes no code. Steps and page belong to the caller and must outlive
