@@ -14,7 +14,13 @@ CTEST = {"name": "service: injected", "timeout": 300, "interpreter": "/usr/bin/p
 #: A lost interrupt is the end of the program's progress.
 SHORT = {**PROGRAM, "run.simlimit_s": "2.3"}
 LASTING = "freeze sin at 1.2s for 0.3s"
-ONES = ("flip coprocessor.cv[39] at 1.1s", LASTING, "lose irq coprocessor at sample 400", "flip cpu.r11[3] at 1.7s")
+ONES = (
+    "flip coprocessor.cv[39] at 1.1s",
+    "lose write COPROCESSOR.FLAGS at 1.15s",
+    LASTING,
+    "lose irq coprocessor at sample 400",
+    "flip cpu.r11[3] at 1.7s",
+)
 
 
 #: ARM DDI 0403, B3: register and bit of what a place of the processor's system blocks is the state of.
@@ -179,7 +185,7 @@ class Injected(Past):
 
     def test_it_is_that_of_a_run(self):
         run = self.of_run(*ONES)
-        self.assertEqual([fault["applied"] for fault in run["faults"]], [True] * 4)
+        self.assertEqual([fault["applied"] for fault in run["faults"]], [True] * len(ONES))
         self.assertNotEqual(run["instructions"] if "instructions" in run else run["cpu"], self.of_run()["cpu"])
         simulation = self.construct(**SHORT)
         self.advance(simulation, seconds=1)
@@ -263,7 +269,7 @@ class Injected(Past):
         )
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn(b"the same until 1.9", done.stderr)
-        self.assertIn(b"4 inputs", done.stderr)
+        self.assertIn(f"{len(ONES)} inputs".encode(), done.stderr)
 
     def test_what_is_wrong_is_said(self):
         simulation = self.construct(**SHORT)

@@ -75,6 +75,11 @@ class Instant(InjectCase):
         "flip cpu.nvic.priority.30[0] at 0.31s",
         "flip cpu.systick.reload[3] at instruction 20000",
         "stuck1 cpu.scb.sevonpend[0] at 0.46s for 0.0002s",
+        "flip write COPROCESSOR.STEP_AU[30] at 0s",
+        "lose write COPROCESSOR.FLAGS at sample 90",
+        "stuck1 read UART0.STATE[7] at instruction 1000 for 0.01s",
+        "stuck0 read COPROCESSOR.STATUS[31] at instruction 100000",
+        "flip read COPROCESSOR.TURN_FLAGS[3] at cycle 15000000",
     )
 
     def test_quantum_executor_and_observers_change_nothing(self):
@@ -166,6 +171,54 @@ class Kinds(InjectCase):
     def test_a_variable_by_its_name(self):
         (fault,) = self.result_of(faults=["flip mem:program_verdict+4[1] at 0.1s"], code=None)[0]["faults"]
         self.assertEqual(fault["before"] ^ fault["after"], 2)
+
+
+class Bus(InjectCase):
+    """Accesses on their way: what arrives is what another writer would have written, or another device answered."""
+
+    def text(self, *faults, code=1):
+        return self.result_of(faults=faults, code=code)[2]
+
+    def test_a_written_word(self):
+        """The letters of the greeting."""
+        text = self.text()
+        self.assertEqual(self.text("flip write UART0.DATA[5] at 0s"), bytes([text[0] ^ 32]) + text[1:])
+        self.assertEqual(self.text("lose write UART0.DATA at 0s"), text[1:])
+        held = self.text("stuck1 write UART0.DATA[0] at 0s for 0.1s")
+        end = text.index(b"\n") + 1
+        self.assertEqual(held[:end], bytes(letter | 1 for letter in text[:end]))
+
+    def test_a_written_register_is_as_if_it_had_been_flipped(self):
+        """Nothing uses it before the first sample."""
+        written = self.result_of(faults=["flip write ADC.PERIOD[4] at 0s"])
+        (fault,) = written[0]["faults"]
+        self.assertEqual(fault["before"] ^ fault["after"], 1 << 4)
+        flipped = self.result_of(faults=[f"flip ADC.PERIOD[4] at cycle {fault['cycle'] + 20}"])
+        self.assertEqual(written[1:], flipped[1:])
+        self.assertNotEqual(written[1], self.result_of()[1])
+
+    def test_a_read_word(self):
+        """The device keeps what it has, and the next read is right."""
+        text = self.text()
+        missing = self.text("flip read COPROCESSOR.ID[3] at 0s", code=None)
+        self.assertIn(b"no coprocessor", missing.lower())
+        once = self.result_of(faults=["flip read UART0.STATE[0] at 0.62s"])
+        self.assertTrue(once[0]["faults"][0]["applied"])
+        self.assertEqual(len(once[2]), len(text))
+
+    def test_an_access_that_fails(self):
+        read = self.start_run("--inject", "fail read COPROCESSOR.STATUS at 0.1s", "-C", "log.level=warn", code=5)
+        self.assertIn("PRECISERR", read.stderr.decode())
+        write = self.start_run("--inject", "fail write COPROCESSOR.CMD at 0.1s", "-C", "log.level=warn", code=5)
+        self.assertIn("IMPRECISERR", write.stderr.decode())
+
+    def test_a_field(self):
+        fault = self.result_of(faults=["flip write COPROCESSOR.CTRL.DEMOD[0] at 0s"], code=None)[0]["faults"][0]
+        self.assertEqual(fault["before"] ^ fault["after"], 1)
+
+    def test_what_never_comes(self):
+        (fault,) = self.result_of(faults=["flip read TIMER0.VALUE[0] at 0.1s"])[0]["faults"]
+        self.assertEqual((fault["applied"], fault["note"]), (False, "no such access came"))
 
 
 class Sides(InjectCase):
@@ -296,6 +349,16 @@ class Refusals(InjectCase):
             (["--inject", "flip mem:verdikt[3] at 1s"], "verdikt"),
             (["--inject", "flip sin[32] at 1s"], "its bits are 0 to 31"),
             (["--inject", "lose irq coprozessor at 1s"], "did you mean coprocessor"),
+            (["--inject", "flip read COPROCESSOR.STATE[4] at 1s"], "did you mean STATUS"),
+            (
+                ["--inject", "flip write COPROCESSOR.STATUS.LOCK[4] at 1s"],
+                "STATUS.LOCK has no bit 4; its bits are 0 to 0",
+            ),
+            (["--inject", "fail read SCB.CPUID at 1s"], "SCB.CPUID is the processor's own; its accesses use no bus"),
+            (["--inject", "flip read mem:0x20000000[1] at 1s"], "mem:0x20000000"),
+            (["--inject", "flip read sin[1] at 1s"], "sin"),
+            (["--inject", "lose write"], "names no register"),
+            (["--inject", "lose read ADC.ID at 1s"], "'lose' is no fault"),
             (["--inject", "raise irq 32 at 1s"], "there is no interrupt 32"),
             (["--inject", "flip cpu.r1[0]"], "has no time"),
             (["--inject-file", "f.txt"], "f.txt:3: the processor has no register 'r99'"),

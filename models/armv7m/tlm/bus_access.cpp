@@ -116,7 +116,7 @@ void BusAccess::remap() {
 }
 
 bool BusAccess::may_be_ahead(uint32_t address, AccessKind kind, bool may_write_early) const {
-  if (horizon_.is_late()) return false;
+  if (gate_ != nullptr || horizon_.is_late()) return false;
   const unsigned size = payload_.get_data_length();
   if (kind == AccessKind::load) return reads_ahead_.has(address, size);
   return kind == AccessKind::store && may_write_early && early_writes_.has(address, size);
@@ -152,8 +152,23 @@ unsigned BusAccess::send(uint32_t address, AccessKind kind, bool ahead) {
                                clock_.cycles_at(now + begin));
 }
 
+/// What the gate makes of an access that it keeps from its target.
+std::optional<BusAccess::Result> BusAccess::stopped(tlm::tlm_command command, uint32_t address,
+                                                    unsigned size, uint32_t& value) {
+  horizon_.synchronise();
+  const AccessGate::Fate fate =
+      gate_->sent({address, size, command == tlm::TLM_WRITE_COMMAND}, value);
+  if (fate == AccessGate::Fate::arrives) return std::nullopt;
+  horizon_.look_ahead();
+  Result result;
+  result.ok = fate == AccessGate::Fate::lost;
+  return result;
+}
+
 BusAccess::Result BusAccess::access(tlm::tlm_command command, uint32_t address, unsigned size,
                                     uint32_t& value, AccessKind kind, bool may_write_early) {
+  if (gate_ != nullptr)
+    if (const auto result = stopped(command, address, size, value)) return *result;
   uint8_t bytes[4] = {};
   if (command == tlm::TLM_WRITE_COMMAND)
     for (unsigned i = 0; i < size; ++i) bytes[i] = static_cast<uint8_t>(value >> (8 * i));
@@ -163,7 +178,7 @@ BusAccess::Result BusAccess::access(tlm::tlm_command command, uint32_t address, 
   payload_.set_streaming_width(size);
   Result result;
   result.wait_cycles = transport(address, kind, may_write_early);
-  result.steady = steady_.steady;
+  result.steady = steady_.steady && gate_ == nullptr;
   // A steady read that was made ahead has done nothing.
   if (!early_.early || !result.steady) horizon_.look_ahead();
   result.ok = payload_.is_response_ok();
@@ -172,6 +187,8 @@ BusAccess::Result BusAccess::access(tlm::tlm_command command, uint32_t address, 
 
   value = 0;
   for (unsigned i = 0; i < size; ++i) value |= static_cast<uint32_t>(bytes[i]) << (8 * i);
+  if (gate_ != nullptr && command == tlm::TLM_READ_COMMAND)
+    gate_->returned({address, size, false}, value);
   if (kind == AccessKind::load) reads_ahead_.set(address, size, steady_.ahead);
   if (kind == AccessKind::store) early_writes_.set(address, size, early_.taken);
   return result;

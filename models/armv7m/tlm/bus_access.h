@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "armv7m/core.h"
+#include "armv7m/tlm/access_gate.h"
 #include "armv7m/tlm/time_horizon.h"
 #include "base/archive.h"
 #include "kit/clock_domain.h"
@@ -48,6 +49,9 @@ class BusAccess {
                 AccessKind kind, bool may_write_early);
   /// Kind of the access that is on a socket now; empty: there is none.
   std::optional<AccessKind> accessing() const { return accessing_; }
+
+  /// Asked about each access from here on; null: none is. Not owned.
+  void set_gate(AccessGate* gate) { gate_ = gate; }
 
   /// The port revokes direct memory.
   void invalidate(uint64_t first, uint64_t last);
@@ -90,6 +94,8 @@ class BusAccess {
 
   Port& port(uint32_t address, AccessKind kind);
   bool may_be_ahead(uint32_t address, AccessKind kind, bool may_write_early) const;
+  std::optional<Result> stopped(tlm::tlm_command command, uint32_t address, unsigned size,
+                                uint32_t& value);
   unsigned transport(uint32_t address, AccessKind kind, bool may_write_early);
   unsigned send(uint32_t address, AccessKind kind, bool ahead);
   bool map_if_memory(uint32_t address, AccessKind kind);
@@ -107,6 +113,7 @@ class BusAccess {
   Places reads_ahead_;                // that may be made ahead
   Places early_writes_;               // that were taken early, or would be
   std::optional<AccessKind> accessing_;
+  AccessGate* gate_ = nullptr;
   std::vector<Granted> granted_;
   /// Pages for which a port has refused direct memory, so that it is not asked at every access:
   /// twice the number of the page, plus one where it was a store that asked.

@@ -234,6 +234,11 @@ void CoreTlm::skip_polling() {
   if (turn && !reset_requested_) polling_.skip(*turn);
 }
 
+void CoreTlm::set_access_gate(AccessGate* gate) {
+  bus_.set_gate(gate);
+  polling_.forget_read();
+}
+
 void CoreTlm::invalidate(int, sc_dt::uint64 first, sc_dt::uint64 last) {
   bus_.invalidate(first, last);
 }

@@ -58,6 +58,9 @@ class CoreTlm : public sc_core::sc_module,
   /// Called before each change of an interrupt line: false blocks it. Unset: none is blocked.
   using InterruptGate = std::function<bool(unsigned line, bool level)>;
   void set_interrupt_gate(InterruptGate gate) { interrupt_gate_ = std::move(gate); }
+  /// Asked about each access from here on; null: none is. Set it between two instructions. Not
+  /// owned.
+  void set_access_gate(AccessGate* gate);
   /// A rising edge of the NMI input.
   void pulse_nmi();
   /// Drops decoded and translated code of a range. Call after another master has written it; for

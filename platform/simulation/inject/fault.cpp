@@ -19,9 +19,9 @@ using Unit = When::Unit;
 constexpr const char* form =
     "write WHAT PLACE at WHEN [for SECONDS], for instance flip cpu.r3[5] at 0.25s";
 constexpr const char* kinds =
-    "flip, stuck0 or stuck1 PLACE[BIT]; lose or double sample; freeze sin or cos; lose or raise "
-    "irq "
-    "NAME";
+    "flip, stuck0 or stuck1 PLACE[BIT], read REGISTER[BIT] or write REGISTER[BIT]; lose or double "
+    "sample; freeze sin or cos; lose or raise irq NAME; lose write REGISTER; fail read or write "
+    "REGISTER";
 constexpr const char* times = "write 0.25s, cycle N, instruction N, sample N or sample N cycle M";
 
 struct NamedKind {
@@ -29,15 +29,18 @@ struct NamedKind {
   const char* object;  ///< the word that follows; null: a place with a bit
   Kind kind;
 };
-constexpr std::array<NamedKind, 9> named_kinds = {{{"flip", nullptr, Kind::flip},
-                                                   {"stuck0", nullptr, Kind::stuck0},
-                                                   {"stuck1", nullptr, Kind::stuck1},
-                                                   {"lose", "sample", Kind::lose_sample},
-                                                   {"double", "sample", Kind::double_sample},
-                                                   {"freeze", "sin", Kind::freeze},
-                                                   {"freeze", "cos", Kind::freeze},
-                                                   {"lose", "irq", Kind::lose_interrupt},
-                                                   {"raise", "irq", Kind::raise_interrupt}}};
+constexpr std::array<NamedKind, 12> named_kinds = {{{"flip", nullptr, Kind::flip},
+                                                    {"stuck0", nullptr, Kind::stuck0},
+                                                    {"stuck1", nullptr, Kind::stuck1},
+                                                    {"lose", "sample", Kind::lose_sample},
+                                                    {"double", "sample", Kind::double_sample},
+                                                    {"freeze", "sin", Kind::freeze},
+                                                    {"freeze", "cos", Kind::freeze},
+                                                    {"lose", "irq", Kind::lose_interrupt},
+                                                    {"raise", "irq", Kind::raise_interrupt},
+                                                    {"lose", "write", Kind::lose_write},
+                                                    {"fail", "read", Kind::fail_access},
+                                                    {"fail", "write", Kind::fail_access}}};
 
 struct NamedUnit {
   const char* word;
@@ -45,6 +48,24 @@ struct NamedUnit {
 };
 constexpr std::array<NamedUnit, 3> named_units = {
     {{"cycle", Unit::cycle}, {"instruction", Unit::instruction}, {"sample", Unit::sample}}};
+
+struct NamedWay {
+  const char* word;
+  Fault::Way way;
+};
+constexpr std::array<NamedWay, 2> named_ways = {
+    {{"read", Fault::Way::read}, {"write", Fault::Way::write}}};
+
+/// Of the word of an access; none: it is no such word.
+Fault::Way way_of(const std::string& word) {
+  for (const NamedWay& way : named_ways)
+    if (word == way.word) return way.way;
+  return Fault::Way::none;
+}
+
+bool is_of_access(Kind kind) {
+  return kind == Kind::lose_write || kind == Kind::fail_access;
+}
 
 bool is_about_interrupt(Kind kind) {
   return kind == Kind::lose_interrupt || kind == Kind::raise_interrupt;
@@ -108,10 +129,16 @@ std::optional<Error> take_kind(Reader& words, Fault& fault) {
   for (const NamedKind& kind : named_kinds) {
     if (first != kind.word) continue;
     fault.kind = kind.kind;
-    if (kind.object == nullptr) return take_place(words.take(), fault);
+    if (kind.object == nullptr) {
+      std::string word = words.take();
+      fault.way = way_of(word);
+      if (fault.way != Fault::Way::none) word = words.take();
+      return take_place(word, fault);
+    }
     if (!words.take(kind.object)) continue;
     if (kind.kind == Kind::freeze) fault.place = kind.object;
-    if (is_about_interrupt(kind.kind)) fault.place = words.take();
+    if (is_of_access(kind.kind)) fault.way = way_of(kind.object);
+    if (is_about_interrupt(kind.kind) || is_of_access(kind.kind)) fault.place = words.take();
     return std::nullopt;
   }
   return Error{fmt::format("'{}' is no fault; there are {}", printable(first, 80), kinds)};
@@ -164,13 +191,16 @@ std::string time_text(uint64_t picoseconds) {
 }
 
 std::string object_text(const Fault& fault) {
+  std::string way;
+  for (const NamedWay& each : named_ways)
+    if (fault.way == each.way) way = std::string(each.word) + " ";
   switch (fault.kind) {
     case Kind::flip:
-      return fmt::format("flip {}[{}]", fault.place, fault.bit);
+      return fmt::format("flip {}{}[{}]", way, fault.place, fault.bit);
     case Kind::stuck0:
-      return fmt::format("stuck0 {}[{}]", fault.place, fault.bit);
+      return fmt::format("stuck0 {}{}[{}]", way, fault.place, fault.bit);
     case Kind::stuck1:
-      return fmt::format("stuck1 {}[{}]", fault.place, fault.bit);
+      return fmt::format("stuck1 {}{}[{}]", way, fault.place, fault.bit);
     case Kind::lose_sample:
       return "lose sample";
     case Kind::double_sample:
@@ -181,11 +211,27 @@ std::string object_text(const Fault& fault) {
       return "lose irq " + fault.place;
     case Kind::raise_interrupt:
       return "raise irq " + fault.place;
+    case Kind::lose_write:
+      return "lose write " + fault.place;
+    case Kind::fail_access:
+      return fmt::format("fail {}{}", way, fault.place);
   }
   return "";
 }
 
 }  // namespace
+
+uint64_t with_bit(const Fault& fault, uint64_t value, unsigned bit) {
+  const uint64_t mask = uint64_t{1} << bit;
+  switch (fault.kind) {
+    case Kind::stuck0:
+      return value & ~mask;
+    case Kind::stuck1:
+      return value | mask;
+    default:
+      return value ^ mask;
+  }
+}
 
 Result<Fault> parse_fault(const std::string& line, const std::optional<When>& now) {
   Reader words(line);
@@ -194,6 +240,8 @@ Result<Fault> parse_fault(const std::string& line, const std::optional<When>& no
   if (auto error = take_kind(words, fault)) return *error;
   if (is_about_interrupt(fault.kind) && fault.place.empty())
     return Error{"names no interrupt; write its line or its device, for instance irq coprocessor"};
+  if (is_of_access(fault.kind) && fault.place.empty())
+    return Error{"names no register; write DEVICE.REGISTER, for instance COPROCESSOR.CTRL"};
   if (now && !words.is_next("at"))
     fault.when = *now;
   else if (auto error = take_time(words, fault))

@@ -7,6 +7,9 @@
 //   double sample at sample 500
 //   freeze sin at sample 500 for 0.1s       sin, cos
 //   raise irq 12 at cycle 99
+//   flip read COPROCESSOR.ANGLE[3] at 1s    the word of the next read, on its way
+//   lose write COPROCESSOR.CTRL at 1s
+//   fail read ADC.STATUS at 1s              read, write
 #pragma once
 
 #include <cstdint>
@@ -35,10 +38,15 @@ struct Fault {
     double_sample,
     freeze,
     lose_interrupt,
-    raise_interrupt
+    raise_interrupt,
+    lose_write,
+    fail_access
   };
+  /// Of an access of the processor to a device, on its way; none: in the place itself.
+  enum class Way { none, read, write };
   Kind kind = Kind::flip;
-  std::string place;  ///< of a bit; of freeze: "sin" or "cos"; of an interrupt: its name
+  Way way = Way::none;
+  std::string place;  ///< of a bit, an access; freeze: "sin" or "cos"; of an interrupt: its name
   unsigned bit = 0;   ///< of flip, stuck0 and stuck1
   When when;
   std::optional<uint64_t> duration;  ///< ps; without: of stuck bits, freeze: for ever; others: once
@@ -48,6 +56,9 @@ struct Fault {
   bool is_of_bit() const { return kind <= Kind::stuck1; }
   bool is_stuck() const { return kind == Kind::stuck0 || kind == Kind::stuck1; }
 };
+
+/// What a fault of a bit makes of a value in which the bit has this number.
+uint64_t with_bit(const Fault& fault, uint64_t value, unsigned bit);
 
 /// An Error says what is wrong with the line, as the end of a sentence. `now`: when a fault of a
 /// line without "at WHEN" begins; nothing: it has to have one.

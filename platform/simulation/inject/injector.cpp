@@ -17,18 +17,6 @@ constexpr uint64_t largest_file = 64U << 20U;
 /// The last ones before a fault at an instruction are executed one by one.
 constexpr uint64_t stepped = 4096;
 
-uint64_t with_bit(const Fault& fault, uint64_t value) {
-  const uint64_t bit = uint64_t{1} << fault.bit;
-  switch (fault.kind) {
-    case Fault::Kind::stuck0:
-      return value & ~bit;
-    case Fault::Kind::stuck1:
-      return value | bit;
-    default:
-      return value ^ bit;
-  }
-}
-
 Result<std::vector<Fault>> faults_of(const run::InjectSettings& settings) {
   std::vector<Fault> faults;
   // An empty variable of a script, where a fault was to be.
@@ -113,6 +101,7 @@ std::optional<Error> Injector::add(Fault fault, const Places& places, uint64_t s
 
 std::optional<Error> Injector::place(const Places& places, Injected& injected) {
   Fault& fault = injected.fault;
+  if (BusFaults::takes(fault)) return accesses_.add(injected, places);
   if (SampleFaults::takes(fault)) return samples_.add(injected);
   if (fault.kind == Fault::Kind::lose_interrupt) return interrupts_.add(injected);
   if (fault.kind == Fault::Kind::raise_interrupt) {
@@ -233,13 +222,15 @@ sc_core::sc_time Injector::next() const {
   for (const Bit& bit : bits_) soonest = std::min(soonest, next_of(bit));
   for (const Injected* injected : raised_)
     if (!injected->is_over) soonest = std::min(soonest, time_of(*injected));
+  for (const Injected* injected : accesses_.waiting())
+    soonest = std::min(soonest, time_of(*injected));
   return soonest;
 }
 
 void Injector::apply(Bit& bit) {
   Injected& injected = *bit.injected;
-  const auto change =
-      bit.placed.place->change([&](uint64_t value) { return with_bit(injected.fault, value); });
+  const auto change = bit.placed.place->change(
+      [&](uint64_t value) { return with_bit(injected.fault, value, injected.fault.bit); });
   if (!change) return;
   position_.note(injected, change->before, change->after);
   bit.is_due = false;
@@ -284,6 +275,7 @@ sc_core::sc_time Injector::pause(const sc_core::sc_time& now) {
   }
   for (Injected* injected : raised_)
     if (!injected->is_over && position_.reached(injected->fault.when)) raise(*injected);
+  accesses_.pause();
   watch_instructions();
   return next();
 }
@@ -296,6 +288,7 @@ bool Injector::wants_instructions() const {
     return !injected.is_over && !injected.outcome.applied && when.unit == When::Unit::instruction &&
            when.value <= done + stepped;
   };
+  const std::vector<const Injected*> waiting = accesses_.waiting();
   return std::any_of(
              bits_.begin(), bits_.end(),
              [&](const Bit& bit) {
@@ -303,6 +296,8 @@ bool Injector::wants_instructions() const {
                       (bit.holds && bit.placed.place->writer() == Place::Writer::instruction);
              }) ||
          std::any_of(raised_.begin(), raised_.end(),
+                     [&](const Injected* injected) { return is_near(*injected); }) ||
+         std::any_of(waiting.begin(), waiting.end(),
                      [&](const Injected* injected) { return is_near(*injected); });
 }
 
@@ -326,7 +321,7 @@ void Injector::retired() {
     if (!bit.holds || bit.placed.place->writer() != Place::Writer::instruction) continue;
     bool differs = false;
     bit.placed.place->change([&](uint64_t value) {
-      differs = with_bit(bit.injected->fault, value) != value;
+      differs = with_bit(bit.injected->fault, value, bit.injected->fault.bit) != value;
       return value;
     });
     bit.is_due = bit.is_due || differs;

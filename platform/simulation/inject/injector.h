@@ -9,6 +9,7 @@
 #include "backend/coprocessor_backend.h"
 #include "base/archive.h"
 #include "base/result.h"
+#include "inject/bus_faults.h"
 #include "inject/fault.h"
 #include "inject/inject_settings.h"
 #include "inject/places.h"
@@ -99,6 +100,7 @@ class Injector {
   std::vector<Injected*> raised_;
   SampleFaults samples_{position_};
   InterruptFaults interrupts_{position_};
+  BusFaults accesses_{position_};
   std::unique_ptr<Watch> watch_;
   bool is_watching_ = false;
   std::vector<kit::Listening> listening_;

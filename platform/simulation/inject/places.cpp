@@ -190,6 +190,19 @@ Result<PlacedBit> Places::memory_bit(const std::string& name, unsigned bit) cons
   return PlacedBit{std::make_unique<MemoryByte>(soc_, static_cast<uint32_t>(at)), bit % 8};
 }
 
+Result<Places::OnBus> Places::on_bus(const Fault& fault) const {
+  constexpr uint32_t private_bus = 0xE0000000;
+  const auto found = registers_.find(fault.place);
+  if (!found) return Error{found.error()};
+  const auto& [reg, field] = found.value();
+  if (reg->address >= private_bus)
+    return Error{fmt::format("{} is the processor's own; its accesses use no bus", fault.place)};
+  const unsigned low = field == nullptr ? 0 : field->low,
+                 bits = field == nullptr ? 32 : field->bits;
+  if (fault.is_of_bit() && fault.bit >= bits) return no_such_bit(fault.place, fault.bit, bits);
+  return OnBus{reg->address, low + fault.bit};
+}
+
 kit::RegisterBank* Places::bank_at(uint32_t address, uint32_t& offset) const {
   const bus::AddressMap map = soc::board_map();
   for (kit::Component* part : soc_.components()) {

@@ -8,6 +8,7 @@
 
 #include "backend/coprocessor_backend.h"
 #include "base/result.h"
+#include "inject/fault.h"
 #include "inject/place.h"
 #include "loader/elf_image.h"
 #include "soc/register_index.h"
@@ -42,6 +43,14 @@ class Places {
 
   /// An Error is the end of a sentence: no such place (with the nearest names), or no such bit.
   Result<PlacedBit> find(const std::string& name, unsigned bit) const;
+
+  /// The word that an access to a device's register carries.
+  struct OnBus {
+    uint32_t address = 0;
+    unsigned bit = 0;  ///< of the word, from that of a field
+  };
+  /// An Error is the end of a sentence: there is no such register on the bus, or no such bit.
+  Result<OnBus> on_bus(const Fault& fault) const;
 
   /// Every place that exists in this system, by unit. Of memories the parts that programs fill,
   /// "mem:0x20000000" with the bits from there on (bit 8 is bit 0 of the next byte).

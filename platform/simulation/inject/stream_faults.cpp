@@ -38,7 +38,7 @@ void Position::note(Injected& injected, uint64_t before, uint64_t after) const {
   outcome.instruction = soc.cpu.core().instructions();
   outcome.before = before;
   outcome.after = after;
-  if (injected.fault.duration)
+  if (injected.fault.duration && !injected.end)
     injected.end =
         sc_core::sc_time_stamp() + sc_core::sc_time::from_value(*injected.fault.duration);
 }
