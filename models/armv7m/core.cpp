@@ -42,6 +42,9 @@ State& Core::edit() {
 void Core::visit(Archive& archive) {
   State& state = machine_.state;
   state.visit(archive);
+  if (profile().has_fpu()) archive("fpu", state.fpu);
+  if ((state.control & ~profile().control_bits()) != 0)
+    archive.refuse("has a CONTROL that the processor does not have");
   uint32_t stimulus_ports = machine_.debugging.stimulus_ports();
   archive("stimulus_ports", stimulus_ports);
   if (!archive.loading() || !archive.ok()) return;

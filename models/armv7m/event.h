@@ -19,13 +19,23 @@ enum class Cause : uint8_t {
   stacking_bus,
   stacking_access,
   unstacking_bus,
-  unstacking_access
+  unstacking_access,
+  lazy_bus,  ///< of saving floating-point state when it is due
+  lazy_access
 };
 
 /// What an instruction raises for the exception model, which handles it before the next
 /// instruction.
 struct Event {
-  enum class Kind : uint8_t { none, fault, svc, bkpt, exception_return };
+  enum class Kind : uint8_t {
+    none,
+    fault,
+    svc,
+    bkpt,
+    exception_return,
+    abandoned,  ///< the instruction has no effect: an exception that is pending comes first
+    lockup
+  };
   Kind kind = Kind::none;
   Cause cause{};                ///< of a fault
   uint32_t value = 0;           ///< address of a fault, number of a BKPT, EXC_RETURN

@@ -10,8 +10,10 @@
 namespace capsoc::armv7m {
 namespace {
 
-/// EXC_RETURN (B1.5.8): all ones, except the low four bits, which select the return.
-constexpr uint32_t exc_return_ones = 0xFFFFFFF0;
+/// EXC_RETURN (B1.5.8): all ones, except the low four bits, which select the return, and bit 4 with
+/// an FPU.
+constexpr uint32_t exc_return_ones = 0xFFFFFFF0,
+                   extended_ones = exc_return_ones & ~exc_return_basic_frame;
 constexpr uint32_t to_handler = 0x1, to_thread_main = 0x9, to_thread_process = 0xD;
 uint32_t destination(uint32_t exc_return) {
   return exc_return & ~exc_return_ones;
@@ -110,8 +112,20 @@ void Exceptions::breakpoint_instruction(uint32_t address) {
 bool Exceptions::push_stack(uint32_t return_address, Cause& cause) {
   State& state = context_.state;
   const uint32_t sp = state.r[13];
-  const bool aligns = state.scb.aligns_stack(), moved = aligns && (sp & 4) != 0;
-  const uint32_t frame = (sp - exception_frame_bytes) & ~(aligns ? 4u : 0u);
+  const bool extended = state.has_fp_context();
+  const bool aligns = extended || state.scb.aligns_stack(), moved = aligns && (sp & 4) != 0;
+  const uint32_t bytes = extended ? extended_frame_bytes : exception_frame_bytes;
+  const uint32_t frame = (sp - bytes) & ~(aligns ? 4u : 0u);
+  const bool stacked = push_basic_frame(frame, return_address, moved, cause);
+  if (!extended) return stacked;
+  const auto failed = floating_point_.push(frame + exception_frame_bytes, stacked);
+  if (failed) cause = *failed;
+  return stacked && !failed;
+}
+
+bool Exceptions::push_basic_frame(uint32_t frame, uint32_t return_address, bool moved,
+                                  Cause& cause) {
+  State& state = context_.state;
   const uint32_t words[8] = {
       state.r[0],  state.r[1],  state.r[2],     state.r[3],
       state.r[12], state.r[14], return_address, state.xpsr() | (moved ? stacked_alignment : 0)};
@@ -135,9 +149,11 @@ void Exceptions::enter(unsigned number, uint32_t return_address) {
   if (exception::is_fault(number)) capture_fault(number, return_address);
   const uint64_t since = state.cycles;
   state.cycles += context_.profile.timing.exception_entry;
-  const uint32_t exc_return = exc_return_ones | (state.ipsr != 0    ? to_handler
-                                                 : state.uses_psp() ? to_thread_process
-                                                                    : to_thread_main);
+  const uint32_t frame_kind = state.has_fp_context() ? 0 : exc_return_basic_frame;
+  const uint32_t exc_return = extended_ones | frame_kind |
+                              (state.ipsr != 0    ? to_handler
+                               : state.uses_psp() ? to_thread_process
+                                                  : to_thread_main);
   const int before = pending_.execution_priority();
   const uint32_t sp = state.r[13];
   bool ends_in_lockup = false;
@@ -196,7 +212,7 @@ void Exceptions::take(unsigned number, uint32_t exc_return, Entry how, uint64_t 
     number = exception::hard_fault;
   }
   state.select_stack(false);
-  state.control &= ~2u;
+  state.control &= 1u;  // neither SPSEL nor FPCA
   state.ipsr = number;
   state.nvic.set_pending(number, false);
   state.nvic.set_active(number, true);
@@ -237,13 +253,18 @@ void Exceptions::return_fault(Cause cause, uint32_t exc_return) {
   take(number, exc_return, Entry::tail_chains, since);
 }
 
+uint32_t Exceptions::ones_of_exc_return() const {
+  return context_.profile.has_fpu() ? extended_ones : exc_return_ones;
+}
+
 void Exceptions::leave(uint32_t exc_return, uint32_t instruction) {
   State& state = context_.state;
   const unsigned returning = state.ipsr;
   const bool was_active = state.nvic.is_active(returning);
   const unsigned nested = state.nvic.active_count();
   const bool base_ok = nested == 1 || state.scb.allows_nonbase_thread();
-  const bool well_formed = (exc_return & exc_return_ones) == exc_return_ones;
+  const uint32_t ones = ones_of_exc_return();
+  const bool well_formed = (exc_return & ones) == ones;
   if (!well_formed) context_.report(Unpredictable::exc_return, instruction);
   bool legal = was_active && well_formed;
   switch (destination(exc_return)) {
@@ -298,12 +319,19 @@ bool Exceptions::pop_stack(uint32_t exc_return, uint32_t instruction, Cause& cau
     cause = Cause::invalid_pc;
     return false;
   }
-  const bool aligned = (psr & stacked_alignment) != 0 && state.scb.aligns_stack();
-  const uint32_t sp = (frame + exception_frame_bytes) | (aligned ? 4u : 0u);
+  const bool extended = (exc_return & exc_return_basic_frame) == 0;
+  if (extended) {
+    if (const auto failed = floating_point_.pop(frame + exception_frame_bytes, priv)) {
+      cause = *failed;
+      return false;
+    }
+  }
+  const bool aligned = (psr & stacked_alignment) != 0 && (extended || state.scb.aligns_stack());
+  const uint32_t sp = (frame + frame_bytes(exc_return)) | (aligned ? 4u : 0u);
   (psp ? state.other_sp : state.r[13]) = sp;
   state.ipsr = existing & exception_number_mask;
   // Handler mode had MSP in r[13]; Thread mode takes what the return value names.
-  state.control = (state.control & 1) | (psp ? 2u : 0u);
+  state.control = (state.control & 1) | (psp ? 2u : 0u) | (extended ? State::control_fpca : 0u);
   if (psp) std::swap(state.r[13], state.other_sp);
   for (unsigned i = 0; i < 4; ++i) state.r[i] = words[i];
   state.r[12] = words[4];

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "armv7m/core_context.h"
+#include "armv7m/floating_point.h"
 #include "armv7m/memory/memory_access.h"
 #include "armv7m/pending_exceptions.h"
 
@@ -13,8 +14,9 @@ namespace capsoc::armv7m {
 class Exceptions {
  public:
   /// Nothing is owned.
-  Exceptions(CoreContext& context, PendingExceptions& pending, MemoryAccess& memory)
-      : context_(context), pending_(pending), memory_(memory) {}
+  Exceptions(CoreContext& context, PendingExceptions& pending, MemoryAccess& memory,
+             FloatingPoint& floating_point)
+      : context_(context), pending_(pending), memory_(memory), floating_point_(floating_point) {}
 
   /// Takes a synchronous exception: a fault or SVC.
   void raise(unsigned number, uint32_t return_address);
@@ -40,7 +42,9 @@ class Exceptions {
   void capture_fault(unsigned number, uint32_t return_address,
                      const InterruptedRegisters& registers);
   InterruptedRegisters interrupted(uint32_t return_address) const;
+  uint32_t ones_of_exc_return() const;
   bool push_stack(uint32_t return_address, Cause& cause);
+  bool push_basic_frame(uint32_t frame, uint32_t return_address, bool moved, Cause& cause);
   bool pop_stack(uint32_t exc_return, uint32_t instruction, Cause& cause);
   void take(unsigned number, uint32_t exc_return, Entry how, uint64_t since);
   void deactivate(unsigned number);
@@ -50,6 +54,7 @@ class Exceptions {
   CoreContext& context_;
   PendingExceptions& pending_;
   MemoryAccess& memory_;
+  FloatingPoint& floating_point_;
 };
 
 }  // namespace capsoc::armv7m

@@ -9,8 +9,9 @@ Machine::Machine(Core& core, Bus& bus, const Profile& core_profile)
       pending(*this),
       watchpoints(*this, pending),
       memory(*this, bus, system, pending, watchpoints),
+      floating_point(*this, pending, memory),
       // NOLINTNEXTLINE(bugprone-throw-keyword-missing): the processor's, not C++'s
-      exceptions(*this, pending, memory),
+      exceptions(*this, pending, memory, floating_point),
       system(*this, pending, memory),
       debugging(*this, watchpoints, memory, system) {
   state.nvic.set_priority_bits(profile.least_priority_bits);
@@ -48,6 +49,10 @@ void Machine::handle_event() {
     case Event::Kind::exception_return:
       exceptions.leave(happened.value, happened.return_address);
       break;
+    case Event::Kind::lockup:
+      exceptions.lock_up();
+      break;
+    case Event::Kind::abandoned:
     case Event::Kind::none:
       break;
   }

@@ -5,6 +5,7 @@
 #include "armv7m/exceptions.h"
 #include "armv7m/execution_counts.h"
 #include "armv7m/executors/block_builder.h"
+#include "armv7m/floating_point.h"
 #include "armv7m/memory/memory_access.h"
 #include "armv7m/pending_exceptions.h"
 #include "armv7m/system/system_space.h"
@@ -21,6 +22,7 @@ class Machine : public CoreContext {
   PendingExceptions pending;
   Watchpoints watchpoints;
   MemoryAccess memory;
+  FloatingPoint floating_point;
   Exceptions exceptions;
   SystemSpace system;
   Debugging debugging;
@@ -54,7 +56,8 @@ inline void Machine::account(const Step& op) {
 
 inline void Machine::conclude(const Step& op) {
   if (__builtin_expect(event.kind == Event::Kind::none, 1)) return;
-  if (event.kind == Event::Kind::fault) state.it_state = op.it_before;
+  if (event.kind == Event::Kind::fault || event.kind == Event::Kind::abandoned)
+    state.it_state = op.it_before;
   if (event.kind == Event::Kind::exception_return) event.return_address = op.address;
   state.trail = timing::no_trail;
   handle_event();

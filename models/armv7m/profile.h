@@ -12,6 +12,8 @@ namespace capsoc::armv7m {
 class SystemRegisters;
 /// Of Armv7-M (ARM DDI 0403, B3 and C1), of Armv6-M (ARM DDI 0419, B3).
 extern const SystemRegisters armv7m_registers, armv6m_registers;
+/// Of Armv7-M with the floating-point extension.
+extern const SystemRegisters armv7m_fp_registers;
 
 /// The identification registers of a core (ARM DDI 0403, B3.2.3 and B4.1).
 struct Identity {
@@ -61,6 +63,9 @@ struct Profile {
   Identity identity{};
 
   constexpr bool has_dsp() const { return (instruction_sets & instruction_set::v7em) != 0; }
+  constexpr bool has_fpu() const { return (instruction_sets & instruction_set::fpv4) != 0; }
+  /// Of CONTROL: nPRIV, SPSEL and, with an FPU, FPCA.
+  constexpr uint32_t control_bits() const { return has_fpu() ? 7 : 3; }
   constexpr bool has_special(unsigned number) const {
     return number < 32 && (special_registers >> number & 1) != 0;
   }
@@ -89,7 +94,7 @@ constexpr Profile make_cortex_m3() {
 }
 inline constexpr Profile cortex_m3 = make_cortex_m3();
 
-/// Without an FPU: coprocessors 10 and 11 are as all others, and CPACR and FPCCR are not there.
+/// Without FPU: coprocessors 10 and 11 are as all others, and CPACR and FPCCR are not there.
 constexpr Profile make_cortex_m4() {
   Profile made = make_cortex_m3();
   made.name = "Cortex-M4 r0p1";
@@ -105,6 +110,18 @@ constexpr Profile make_cortex_m4() {
   return made;
 }
 inline constexpr Profile cortex_m4 = make_cortex_m4();
+
+constexpr Profile make_cortex_m4f() {
+  Profile made = make_cortex_m4();
+  made.name = "Cortex-M4 r0p1 with FPU";
+  made.product = "Cortex-M4 with FPU";
+  made.short_name = "cortex-m4f";
+  made.instruction_sets |= instruction_set::fpv4;
+  made.registers = &armv7m_fp_registers;
+  made.timing = cortex_m4f_timing;
+  return made;
+}
+inline constexpr Profile cortex_m4f = make_cortex_m4f();
 
 /// With the options of the fast multiplier, privilege levels, VTOR and SysTick; without an MPU.
 constexpr Profile make_cortex_m0plus() {

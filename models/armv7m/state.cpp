@@ -36,6 +36,7 @@ void FaultReport::visit(Archive& archive) {
   archive("lost_write", lost_write);
 }
 
+// Without `fpu`, which is only of some cores: Core::visit().
 void State::visit(Archive& archive) {
   // Executors leave different words with the same flags; equal states are equal bytes.
   if (!archive.loading()) {
@@ -68,7 +69,7 @@ void State::visit(Archive& archive) {
   archive("semihosting_exit", semihosting_exit);
   archive("event_register", event_register);
   archive.at_most("ipsr", ipsr, 47u);
-  archive.at_most("control", control, 3u);
+  archive.at_most("control", control, 7u);
   archive.at_most("primask", primask, 1u);
   archive.at_most("faultmask", faultmask, 1u);
   archive.at_most("basepri", basepri, 255u);
@@ -111,6 +112,7 @@ void State::reset(const SystemRegisters& registers) {
   dwt.reset();
   itm.reset();
   mpu.reset();
+  fpu.reset();
 }
 
 void State::set_reg(unsigned number, uint32_t value) {
@@ -155,9 +157,9 @@ void State::select_stack(bool process) {
 void State::set_control(uint32_t value) {
   if (ipsr == 0) {
     select_stack((value & 2) != 0);
-    control = value & 3;
+    control = value & 7;
   } else {
-    control = (control & 2) | (value & 1);
+    control = (control & 2) | (value & 5);
   }
 }
 

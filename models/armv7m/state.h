@@ -9,6 +9,7 @@
 #include "armv7m/fault_report.h"
 #include "armv7m/isa/timing.h"
 #include "armv7m/system/dwt.h"
+#include "armv7m/system/fpu.h"
 #include "armv7m/system/itm.h"
 #include "armv7m/system/mpu.h"
 #include "armv7m/system/nvic.h"
@@ -56,6 +57,8 @@ struct State {
   // Reports that are made only once.
   uint64_t unpredictable_seen = 0;      ///< bit n: case n of unpredictable.def
   std::array<bool, 2> priority_told{};  ///< of bits that were dropped, of nothing but ones
+  /// Of a core with the extension; others neither change nor save it.
+  Fpu fpu;
 
   /// Saves or loads; refuses a state that no processor can have.
   void visit(Archive& archive);
@@ -79,6 +82,9 @@ struct State {
   bool at_negative_priority() const {
     return faultmask != 0 || ipsr == exception::nmi || ipsr == exception::hard_fault;
   }
+  /// CONTROL.FPCA: the floating-point registers belong to the code that is executing.
+  static constexpr uint32_t control_fpca = 4;
+  bool has_fp_context() const { return (control & control_fpca) != 0; }
   bool uses_psp() const { return ipsr == 0 && (control & 2) != 0; }
   uint32_t msp() const { return uses_psp() ? other_sp : r[13]; }
   uint32_t psp() const { return uses_psp() ? r[13] : other_sp; }
@@ -86,7 +92,8 @@ struct State {
   void set_psp(uint32_t value) { (uses_psp() ? r[13] : other_sp) = value & ~3u; }
   /// The stack pointer in use is in r[13], the other one in other_sp. Switching exchanges them.
   void select_stack(bool process);
-  /// SPSEL can be written in Thread mode only (B1.4.4).
+  /// SPSEL can be written in Thread mode only (B1.4.4). `value` has FPCA only on a core that has it
+  /// (Profile::control_bits).
   void set_control(uint32_t value);
   void set_primask(bool masked) { primask = masked ? 1 : 0; }
   void set_faultmask(bool masked) { faultmask = masked ? 1 : 0; }

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "armv7m/isa/decoder.h"
+#include "armv7m/system/registers.h"
 #include "bench.h"
 #include "board.h"
 #include "executors.h"
@@ -54,6 +55,28 @@ void watch_at_random(Bench& b, std::mt19937& random) {
   }
 }
 
+/// The floating-point extension: open to programs in most of them, its registers full, its context
+/// counted and saved as FPCCR says, and some of the stack beyond what the MPU allows.
+void use_fpu_at_random(Bench& b, std::mt19937& random) {
+  const auto write = [&b](uint32_t address, uint32_t value) {
+    b.core.debug_write(address, &value, 4);
+  };
+  write(ppb::CPACR, random() % 8 == 0 ? random() : 0x00F00000);
+  write(ppb::FPCCR, random() % 4 == 0 ? random() & 0xC000017A : 0xC0000000);
+  write(ppb::FPDSCR, random());
+  // vadd s0,s0,s1; vmrs r0,fpscr; bx lr
+  for (unsigned n = exception::first_interrupt; n < exception::count; n += 1 + random() % 3)
+    b.code(Bench::handler(n), {0xEE30, 0x0A20, 0xEEF1, 0x0A10, 0x4770});
+  State& state = b.core.edit();
+  for (unsigned n = 0; n < Fpu::registers; ++n) state.fpu.set_s(n, random());
+  state.fpu.status() = Fpscr(random());
+  if (random() % 4 != 0) return;
+  write(ppb::SHCSR, (random() & 7) << 16);
+  write(ppb::MPU_RBAR, Bench::stack - 0x80 - (random() & 0x1E0) + 0x10);
+  write(ppb::MPU_RBAR + 4, 5u << 24 | (4 + random() % 2) << 1 | 1);  // read only
+  write(ppb::MPU_CTRL, 5 + (random() & 2));
+}
+
 void prepare(Bench& b, uint32_t seed) {
   std::mt19937 random(seed);
   random_code(random, b.flash, b.core.profile());
@@ -69,12 +92,20 @@ void prepare(Bench& b, uint32_t seed) {
   uint32_t enable = 0xE000E100;
   b.core.set_reg(6, enable);
   if (seed % 3 == 2) watch_at_random(b, random);
+  if (b.core.profile().has_fpu()) use_fpu_at_random(b, random);
 }
 
 void expect_equal(Bench& a, Bench& b, uint32_t seed) {
   for (unsigned n = 0; n < 16; ++n)
     ASSERT_EQ(a.core.reg(n), b.core.reg(n)) << "r" << n << " seed " << seed;
   ASSERT_EQ(a.core.state().xpsr(), b.core.state().xpsr()) << "seed " << seed;
+  for (unsigned n = 0; n < Fpu::registers; ++n)
+    ASSERT_EQ(a.core.state().fpu.s(n), b.core.state().fpu.s(n)) << "s" << n << " seed " << seed;
+  ASSERT_EQ(a.core.state().fpu.status().bits(), b.core.state().fpu.status().bits())
+      << "seed " << seed;
+  ASSERT_EQ(a.core.state().control, b.core.state().control) << "seed " << seed;
+  ASSERT_EQ(a.peek(ppb::FPCCR), b.peek(ppb::FPCCR)) << "seed " << seed;
+  ASSERT_EQ(a.peek(ppb::FPCAR), b.peek(ppb::FPCAR)) << "seed " << seed;
   ASSERT_EQ(a.core.cycles(), b.core.cycles()) << "seed " << seed;
   ASSERT_EQ(a.core.instructions(), b.core.instructions()) << "seed " << seed;
 }

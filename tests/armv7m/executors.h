@@ -52,7 +52,8 @@ struct FastCore {
 inline constexpr FastCore fast_cores[] = {
     {Executor::blocks, &cortex_m3},     {Executor::translator, &cortex_m3},
     {Executor::blocks, &cortex_m0plus}, {Executor::translator, &cortex_m0plus},
-    {Executor::blocks, &cortex_m4},     {Executor::translator, &cortex_m4}};
+    {Executor::blocks, &cortex_m4},     {Executor::translator, &cortex_m4},
+    {Executor::blocks, &cortex_m4f},    {Executor::translator, &cortex_m4f}};
 inline std::ostream& operator<<(std::ostream& out, const FastCore& core) {
   return out << core.profile->name;
 }
@@ -62,6 +63,7 @@ inline std::string core_name(const testing::TestParamInfo<FastCore>& tested) {
   const Profile* profile = tested.param.profile;
   return executor + (profile == &cortex_m0plus ? "CortexM0plus"
                      : profile == &cortex_m4   ? "CortexM4"
+                     : profile == &cortex_m4f  ? "CortexM4WithFpu"
                                                : "");
 }
 

@@ -11,6 +11,7 @@
 
 #include "armv7m/isa/decoder.h"
 #include "armv7m/isa/unpredictable.h"
+#include "armv7m/system/registers.h"
 #include "bench.h"
 #include "board.h"
 #include "executors.h"
@@ -83,12 +84,27 @@ class Program {
     }
   }
 
+  bool fits_fp(const DecodedOp& op) {
+    switch (op.operation) {
+      case Operation::vmov_to_core:
+        return !keeps(op.rd);
+      case Operation::vmrs:
+        return op.rd == 15 || !keeps(op.rd);
+      case Operation::vmov_pair_to_core:
+        return !keeps(op.rd) && !keeps(op.ra);
+      default:
+        break;
+    }
+    if (!is(op, kind::fp_transfer)) return true;
+    return op.addressing == Addressing::literal || op.rn == 4 || op.rn == 5 || op.rn == 13;
+  }
   bool fits(const DecodedOp& op) {
     if (op.operation == Operation::undefined || unpredictable_encoding(op)) return false;
     if (is(op, kind::data_processing)) {
       const bool second = is(op, kind::long_multiply) && keeps(op.ra);
       return is(op, kind::compare) || (!keeps(op.rd) && !second);
     }
+    if (is(op, kind::fp_extension)) return fits_fp(op);
     if (!is(op, kind::transfer) || is(op, kind::exclusive)) return op.operation == Operation::nop;
     const bool literal = op.addressing == Addressing::literal;
     if (!literal && op.rn != 4 && op.rn != 5 && op.rn != 13) return false;
@@ -192,6 +208,21 @@ class Program {
   std::vector<uint16_t> code_;
 };
 
+/// Loops that use the FPU are interrupted by handlers of which some use it, too.
+void use_fpu_in_handlers(Bench& b, std::mt19937& random) {
+  const auto write = [&b](uint32_t address, uint32_t value) {
+    b.core.debug_write(address, &value, 4);
+  };
+  for (unsigned n = exception::first_interrupt; n < exception::count; n += 1 + random() % 3)
+    b.code(Bench::handler(n), {0xEE30, 0x0A20, 0xEEF1, 0x0A10, 0x4770});  // vadd s0,s0,s1; vmrs r0
+  write(ppb::NVIC_ISER, ~0u);
+  for (uint32_t n = 0; n < 8; ++n) write(ppb::NVIC_IPR + 4 * n, random());
+  write(ppb::CPACR, 0x00F00000);
+  write(ppb::FPDSCR, random());
+  if (random() % 4 == 0) write(ppb::FPCCR, random() & 0xC0000000);
+  for (unsigned n = 0; n < Fpu::registers; ++n) b.core.edit().fpu.set_s(n, random());
+}
+
 void prepare_loops(Bench& b, uint32_t seed) {
   std::mt19937 random(seed);
   const bool in_ram = seed % 4 == 1;
@@ -209,6 +240,7 @@ void prepare_loops(Bench& b, uint32_t seed) {
   b.core.reset();
   b.core.set_reg(15, start);
   for (unsigned n = 0; n < 13; ++n) b.core.set_reg(n, random());
+  if (b.core.profile().has_fpu()) use_fpu_in_handlers(b, random);
   if (seed % 5 != 0) return;
   const auto write = [&b](uint32_t address, uint32_t value) {
     b.core.debug_write(address, &value, 4);
@@ -223,6 +255,10 @@ void expect_equal_at(const Core& a, const Core& b, uint32_t seed, unsigned slice
   for (unsigned n = 0; n < 16; ++n)
     ASSERT_EQ(a.reg(n), b.reg(n)) << "r" << n << " seed " << seed << " slice " << slice;
   ASSERT_EQ(a.state().xpsr(), b.state().xpsr()) << "seed " << seed << " slice " << slice;
+  for (unsigned n = 0; n < Fpu::registers; ++n)
+    ASSERT_EQ(a.state().fpu.s(n), b.state().fpu.s(n)) << "s" << n << " seed " << seed;
+  ASSERT_EQ(a.state().fpu.status().bits(), b.state().fpu.status().bits()) << "seed " << seed;
+  ASSERT_EQ(a.state().control, b.state().control) << "seed " << seed;
   ASSERT_EQ(a.cycles(), b.cycles()) << "seed " << seed << " slice " << slice;
   ASSERT_EQ(a.instructions(), b.instructions()) << "seed " << seed << " slice " << slice;
 }

@@ -5,6 +5,7 @@
 #include <ostream>
 #include <string>
 
+#include "armv7m/core.h"
 #include "armv7m/isa/decoder.h"
 #include "armv7m/isa/unpredictable.h"
 
@@ -23,7 +24,8 @@ inline std::ostream& operator<<(std::ostream& out, const OracleCore& core) {
 inline constexpr OracleCore oracle_cores[] = {
     {"CortexM3", &cortex_m3, UC_CPU_ARM_CORTEX_M3},
     {"CortexM0plus", &cortex_m0plus, UC_CPU_ARM_CORTEX_M0},
-    {"CortexM4", &cortex_m4, UC_CPU_ARM_CORTEX_M4}};
+    {"CortexM4", &cortex_m4, UC_CPU_ARM_CORTEX_M4},
+    {"CortexM4WithFpu", &cortex_m4f, UC_CPU_ARM_CORTEX_M4}};
 
 /// N, Z, C, V and Q, and GE where there is one. Unicorn's Cortex-M0 keeps a Q, too.
 inline uint32_t apsr_bits(const Profile& profile) {
@@ -35,6 +37,47 @@ inline uint32_t apsr_bits(const Profile& profile) {
 inline void write_flags(uc_engine* uc, uint32_t xpsr) {
   uc_reg_write(uc, UC_ARM_REG_XPSR, &xpsr);
   uc_reg_write(uc, UC_ARM_REG_APSR_NZCVQG, &xpsr);
+}
+
+/// Lets programs use the FPU, where there is one.
+inline void enable_fpu(uc_engine* uc) {
+  const uint32_t cp10_and_cp11 = 0x00F00000, enable = 1u << 30;
+  uc_reg_write(uc, UC_ARM_REG_C1_C0_2, &cp10_and_cp11);
+  uc_reg_write(uc, UC_ARM_REG_FPEXC, &enable);
+  const uint32_t fpca = 4;  // else the first instruction takes FPSCR from FPDSCR
+  uc_reg_write(uc, UC_ARM_REG_CONTROL, &fpca);
+}
+inline void enable_fpu(Core& core) {
+  const uint32_t cp10_and_cp11 = 0x00F00000;
+  core.debug_write(ppb::CPACR, &cp10_and_cp11, 4);
+}
+/// The same numbers in the registers of both, and FPSCR.
+template <typename Random>
+void fill_fpu(Core& core, uc_engine* uc, Random& random) {
+  if (!core.profile().has_fpu()) return;
+  enable_fpu(core);
+  State& state = core.edit();
+  state.set_control(State::control_fpca);
+  for (unsigned n = 0; n < Fpu::registers; ++n) {
+    const auto value = static_cast<uint32_t>(random());
+    state.fpu.set_s(n, value);
+    uc_reg_write(uc, UC_ARM_REG_S0 + static_cast<int>(n), &value);
+  }
+  const Fpscr fpscr(static_cast<uint32_t>(random()));
+  state.fpu.status() = fpscr;
+  const uint32_t bits = fpscr.bits();
+  uc_reg_write(uc, UC_ARM_REG_FPSCR, &bits);
+}
+/// The name of the first register that differs, or "".
+inline std::string fpu_difference(const Core& core, uc_engine* uc) {
+  if (!core.profile().has_fpu()) return "";
+  uint32_t theirs = 0;
+  for (unsigned n = 0; n < Fpu::registers; ++n) {
+    uc_reg_read(uc, UC_ARM_REG_S0 + static_cast<int>(n), &theirs);
+    if (theirs != core.state().fpu.s(n)) return "s" + std::to_string(n);
+  }
+  uc_reg_read(uc, UC_ARM_REG_FPSCR, &theirs);
+  return theirs != core.state().fpu.status().bits() ? "fpscr" : "";
 }
 
 /// Operations left out because the oracle has no system side, and its known faults by name.
@@ -121,6 +164,13 @@ inline bool is_main_alone(const DecodedOp& op) {
   const Encoding* line = find_encoding(op.encoding, op.size);
   return op.operation == Operation::undefined && op.size == 2 && line != nullptr &&
          line->set == instruction_set::v7m;
+}
+
+/// Unicorn rounds as FPSCR says what is always rounded to nearest (A7.7, "VCVT between
+/// floating-point and fixed-point").
+inline bool rounds_otherwise(const DecodedOp& op, const Core& core) {
+  return op.operation == Operation::vcvt_from_fixed &&
+         core.state().fpu.status().rounding() != Fpscr::Rounding::nearest;
 }
 
 inline bool known_fault(const DecodedOp& op) {

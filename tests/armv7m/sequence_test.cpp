@@ -66,6 +66,7 @@ class Sequence {
       bench_.core.set_reg(n, start[n]);
       uc_reg_write(uc_, ids()[n], &start[n]);
     }
+    fill_fpu(bench_.core, uc_, random_);
     const uint32_t disdefwbuf = 2;  // the oracle's bus faults are precise
     bench_.core.debug_write(0xE000E008, &disdefwbuf, 4);
     uint32_t psr = (random_() & apsr_bits(*core_.profile)) | 1u << 24;
@@ -86,6 +87,7 @@ class Sequence {
     // Not writable: the oracle sees a change of its own block late.
     uc_mem_map_ptr(uc_, code_base, code.size(), UC_PROT_READ | UC_PROT_EXEC, code.data());
     uc_mem_map_ptr(uc_, Bench::ram_base, sequence_ram_size, UC_PROT_ALL, uc_ram_.data());
+    enable_fpu(uc_);
     uc_hook hook = 0;
     uc_hook_add(uc_, &hook, UC_HOOK_CODE, reinterpret_cast<void*>(&Sequence::record), this, 1, 0);
   }
@@ -138,7 +140,7 @@ class Sequence {
       const DecodedOp op = decode(0, static_cast<uint16_t>(e.length == 32 ? bits >> 16 : bits),
                                   static_cast<uint16_t>(bits), it, *core_.profile);
       if (outside_the_oracle(op) || unpredictable(op) || known_fault(op)) continue;
-      const bool transfer = is(op, kind::transfer);
+      const bool transfer = is(op, kind::transfer | kind::fp_transfer);
       // More of what continues than of what ends a sequence.
       if ((ends_block(op) && random_() % 4 != 0) || (transfer && random_() % 2 != 0)) continue;
       if (guarded > 0 && (leaves(op) || op.operation == Operation::it)) continue;
@@ -176,7 +178,7 @@ class Sequence {
       // Two registers may meet in the part of the address space that is ours alone.
       const uint32_t sum = bench_.core.reg(last_.rn & 15) +
                            (bench_.core.reg(last_.rm & 15) << (last_.shift.amount & 3));
-      const bool transfer = is(last_, kind::transfer | kind::table_branch);
+      const bool transfer = is(last_, kind::transfer | kind::fp_transfer | kind::table_branch);
       if (transfer && (foreign(sum) || foreign(bench_.core.reg(last_.rn & 15) + last_.imm)))
         return true;
       if (!exclusives_are_comparable()) return true;
@@ -187,7 +189,8 @@ class Sequence {
         ++faults;
         // The oracle must have failed, too. After a failed store it continues for a while.
         const bool unaligned = bench_.core.last_fault().cfsr == 1u << 24;
-        const bool several = is(last_, kind::dual_load | kind::dual_store | kind::multiple);
+        const bool several =
+            is(last_, kind::dual_load | kind::dual_store | kind::multiple | kind::fp_transfer);
         // LDRD, STRD, LDM and STM of the oracle take any address.
         if (error_ == UC_ERR_OK && trace_.size() < 2 * length && !(unaligned && several))
           return differs("fault", 0, 1, seed);

@@ -22,6 +22,7 @@ struct Execute {
   static const Executors* memory_executors(const DecodedOp& op);
   static const Executors* branch_executors(const DecodedOp& op);
   static const Executors* dsp_executors(const DecodedOp& op);
+  static const Executors* fp_executors(const DecodedOp& op);
   static const Executors* system_executors(const DecodedOp& op);
   /// Null where the two do not fuse.
   static Chain compare_and_branch_chain(const DecodedOp& compare, const DecodedOp& branch);
@@ -31,7 +32,8 @@ struct Execute {
   /// True for a saved ICI state (B1.4.2) before an instruction that cannot have left one: it is no
   /// load or store multiple.
   static bool cannot_continue(const DecodedOp& op) {
-    return op.it_before != 0 && (op.it_before & 0xF) == 0 && !is(op, kind::multiple);
+    return op.it_before != 0 && (op.it_before & 0xF) == 0 &&
+           !is(op, kind::multiple | kind::fp_multiple);
   }
 
   /// Executes one step, obeying its condition.
@@ -67,6 +69,10 @@ struct Execute {
   static bool store_exclusive(Machine&, const Step&);
   static bool load_multiple(Machine&, const Step&, uint32_t address, uint32_t written_back);
   static bool store_multiple(Machine&, const Step&, uint32_t address, uint32_t written_back);
+  static bool load_singles(Machine&, const Step&, uint32_t address, unsigned count,
+                           uint32_t written_back);
+  static bool store_singles(Machine&, const Step&, uint32_t address, unsigned count,
+                            uint32_t written_back);
   static bool take_branch(Machine&, uint32_t target, unsigned refill = timing::refill_immediate);
   static bool branch_to_self(Machine&, const Step&);
   static bool table_branch(Machine&, const Step&, uint32_t offset, Access access);

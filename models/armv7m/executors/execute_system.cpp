@@ -36,6 +36,7 @@ const Executors* Execute::unconditional(const DecodedOp& op) {
   if (const Executors* e = memory_executors(op)) return e;
   if (const Executors* e = branch_executors(op)) return e;
   if (const Executors* e = dsp_executors(op)) return e;
+  if (const Executors* e = fp_executors(op)) return e;
   return system_executors(op);
 }
 
@@ -126,6 +127,9 @@ void Execute::add_cycles(const CoreContext& context, Step& step, uint16_t before
 }
 
 uint32_t Execute::most_extra_cycles(const DecodedOp& op, uint32_t largest_wait) {
+  // A save that is due may come on top of what VLDM and VSTM transfer.
+  if (is(op, kind::fp_extension))
+    return timing::most_fp_save + (Fpu::registers + timing::most_fp_save) * largest_wait;
   if (is(op, kind::divide)) return timing::divide_most;
   if (op.by_operands) return timing::long_multiply_most;
   const unsigned transfers = is(op, kind::multiple) ? 16 : 4;
@@ -260,7 +264,7 @@ bool Execute::msr(Machine& cpu, const Step& op) {
           cpu.state.faultmask = value & 1;
         break;
       case 20:
-        cpu.state.set_control(value);
+        cpu.state.set_control(value & cpu.profile.control_bits());
         break;
       default:
         break;

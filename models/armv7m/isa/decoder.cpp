@@ -1,8 +1,10 @@
 #include "armv7m/isa/decoder.h"
 
+#include <algorithm>
 #include <array>
 
 #include "armv7m/isa/alu.h"
+#include "armv7m/isa/single_precision.h"
 
 namespace capsoc::armv7m {
 namespace {
@@ -188,6 +190,13 @@ void resolve_field(DecodedOp& op, const Fields& f, Form form) {
   op.field = {static_cast<uint8_t>(f['i']), static_cast<int8_t>(width)};
 }
 
+/// Fraction bits of a fixed-point number: its width less i, whose lowest bit is the first in the
+/// pattern. b: 32 bits.
+void resolve_fraction(DecodedOp& op, const Fields& f) {
+  const uint32_t width = f['b'] != 0 ? 32 : 16, less = (f['i'] & 15) << 1 | f['i'] >> 4;
+  op.imm = less <= width ? width - less : 0;
+}
+
 void resolve(DecodedOp& op, const Fields& f, Form form) {
   switch (form) {
     case Form::none:
@@ -280,6 +289,21 @@ void resolve(DecodedOp& op, const Fields& f, Form form) {
       if (op.writeback) op.addressing = f['p'] ? Addressing::pre_indexed : Addressing::post_indexed;
       if (op.rn == 15) op.addressing = Addressing::literal;
       break;
+    case Form::fp_immediate:
+      op.imm = single::expand_immediate(f['i']);
+      break;
+    case Form::fp_fixed:
+      resolve_fraction(op, f);
+      break;
+    case Form::fp_offset:
+      op.imm = (f['u'] ? f['i'] : 0u - f['i']) * 4;
+      if (op.rn == 15) op.addressing = Addressing::literal;
+      break;
+    case Form::fp_list:
+      op.imm = f['i'] * 4;
+      op.writeback = !f.has('w') || f['w'] != 0;
+      if (!f.has('n')) op.rn = 13;
+      break;
     case Form::branch8:
       op.imm = sign_extend(f['i'] << 1, 9);
       break;
@@ -312,6 +336,7 @@ void simplify(DecodedOp& op) {
 uint8_t static_cycles(const DecodedOp& op, CycleClass kind, const Timing& timing) {
   unsigned n = timing.of(kind);
   if (kind == CycleClass::multiple) n += op.list.count();
+  if (is(op, kind::fp_multiple)) n += std::min(op.imm / 4, fp_operand::registers);
   return static_cast<uint8_t>(n);
 }
 
@@ -350,15 +375,15 @@ unsigned encoding_count() {
   return table_size;
 }
 
-const Encoding* find_encoding(uint32_t encoding, unsigned size) {
+const Encoding* find_encoding(uint32_t encoding, unsigned size, uint8_t sets) {
   if (size == 2) {
     int16_t index = lookup.narrow[encoding & 0xFFFF];
-    return index < 0 ? nullptr : &table[index];
+    return index < 0 || (table[index].set & sets) == 0 ? nullptr : &table[index];
   }
   const unsigned bucket = (encoding & bucket_bits) >> 20;
   for (unsigned i = lookup.begins[bucket]; i < lookup.begins[bucket + 1]; ++i) {
     const Encoding& e = table[lookup.wide[i]];
-    if ((encoding & e.mask) == e.value) return &e;
+    if ((encoding & e.mask) == e.value && (e.set & sets) != 0) return &e;
   }
   return nullptr;
 }
@@ -380,8 +405,8 @@ DecodedOp decode(uint32_t address, uint16_t first, uint16_t second, uint8_t it_s
   if (op.condition == 15) op.condition = condition_always;
   op.operation = Operation::undefined;
   op.cycles = 1;
-  const Encoding* e = find_encoding(op.encoding, op.size);
-  if (e == nullptr || (e->set & profile.instruction_sets) == 0) return op;
+  const Encoding* e = find_encoding(op.encoding, op.size, profile.instruction_sets);
+  if (e == nullptr) return op;
   op.row = static_cast<uint16_t>(e - table);
   Fields f(*e, op.encoding);
   op.operation = e->operation;

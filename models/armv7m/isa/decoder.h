@@ -51,7 +51,11 @@ enum class Form : uint8_t {
   branch20,
   branch24,
   it,
-  system
+  system,
+  fp_immediate,
+  fp_fixed,
+  fp_offset,
+  fp_list
 };
 enum class FlagRule : uint8_t { never, always, it, s };
 
@@ -78,8 +82,10 @@ struct Encoding {
 const Encoding* encodings();
 unsigned encoding_count();
 
-/// The line that `encoding` means (first halfword in the upper half if 32-bit), or null.
-const Encoding* find_encoding(uint32_t encoding, unsigned size);
+/// The line that `encoding` means (first halfword in the upper half if 32-bit), or null. `sets`:
+/// among lines of these sets (instruction_set::Set).
+const Encoding* find_encoding(uint32_t encoding, unsigned size,
+                              uint8_t sets = instruction_set::all);
 
 /// True when a first halfword opens a 32-bit instruction (A5.1).
 constexpr bool is_wide(uint32_t halfword) {

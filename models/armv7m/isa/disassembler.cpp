@@ -1,5 +1,6 @@
 #include <cctype>
 #include <cstdio>
+#include <cstring>
 
 #include "armv7m/isa/decoder.h"
 
@@ -107,6 +108,58 @@ std::string half_name(uint32_t top) {
   return top != 0 ? "t" : "b";
 }
 
+std::string fp_register(bool is_double, unsigned single) {
+  return is_double ? "d" + std::to_string(single / 2) : "s" + std::to_string(single);
+}
+
+std::string fp_list_text(const DecodedOp& op) {
+  const bool is_double = fp_operand::is_double(op);
+  const unsigned first = fp_operand::first(op), end = first + fp_operand::count(op);
+  std::string text = "{";
+  for (unsigned n = first; n < end; n += is_double ? 2 : 1)
+    text += (n == first ? "" : ", ") + fp_register(is_double, n);
+  return text + "}";
+}
+
+/// What single_precision.h makes of the bits, as a number that an assembler reads.
+std::string fp_number(uint32_t bits) {
+  float value = 0;
+  std::memcpy(&value, &bits, sizeof value);
+  char text[32];
+  std::snprintf(text, sizeof(text), "%e", static_cast<double>(value));
+  return text;
+}
+
+/// Fields of the floating-point extension; "?" for others.
+std::string fp_field_text(const std::string& field, const DecodedOp& op) {
+  const bool is_double = fp_operand::is_double(op), bit7 = (op.encoding & 0x80) != 0;
+  const bool transfers = is(op, kind::fp_transfer);
+  const bool odd = is_double && (op.encoding & 1) != 0;  // FLDMX, FSTMX
+  if (field == "f")
+    return fp_register(is_double, transfers ? fp_operand::first(op) : fp_operand::d(op));
+  if (field == "g") return fp_register(false, fp_operand::n(op));
+  if (field == "h")
+    return fp_register(is_double, is_double ? fp_operand::pair(op) : fp_operand::m(op));
+  if (field == "h+1") return fp_register(false, fp_operand::m(op) + 1);
+  if (field == "scalar")
+    return fp_register(true, fp_operand::moved(op)) +
+           ((fp_operand::moved(op) & 1) != 0 ? "[1]" : "[0]");
+  if (field == "fp_list") return fp_list_text(op);
+  if (field == "fldm") return odd ? "fldm" : "vldm";
+  if (field == "fstm") return odd ? "fstm" : "vstm";
+  if (field == "vpop") return odd ? "fldmiax sp!," : "vpop";
+  if (field == "vpush") return odd ? "fstmdbx sp!," : "vpush";
+  if (field == "x") return odd ? "x" : "";
+  if (field == "number") return fp_number(op.imm);
+  if (field == "top") return bit7 ? "t" : "b";
+  if (field == "signals") return bit7 ? "e" : "";
+  if (field == "by_mode") return bit7 ? "" : "r";
+  if (field == "fixed")
+    return std::string((op.encoding & 1u << 16) != 0 ? "u" : "s") + (bit7 ? "32" : "16");
+  if (field == "flags") return op.rd == 15 ? "apsr_nzcv" : register_name(op.rd);
+  return "?";
+}
+
 std::string field_text(const std::string& field, const DecodedOp& op) {
   if (field == "d") return register_name(op.rd);
   if (field == "n") return register_name(op.rn);
@@ -142,7 +195,7 @@ std::string field_text(const std::string& field, const DecodedOp& op) {
   if (field == "option") return option_text(op);
   if (field == "address") return address_text(op);
   if (field == "target") return hex(pc_of(op) + op.imm);
-  return "?";
+  return fp_field_text(field, op);
 }
 
 /// What a load of a byte or halfword to R15 is (A5.3.8, A5.3.9): a preload or, of a halfword, an

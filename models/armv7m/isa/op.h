@@ -41,6 +41,13 @@ enum Kind : uint32_t {
   system = 1 << 17,  ///< changes the mode, the masks or the sleep, or may
   dsp = 1 << 18,     ///< of the DSP extension, with one result
   long_dsp = 1 << 19,
+  // Of the floating-point extension
+  fp = 1 << 20,       ///< among its registers
+  fp_core = 1 << 21,  ///< from them to core registers, or back
+  fp_load = 1 << 22,
+  fp_store = 1 << 23,
+  fp_load_multiple = 1 << 24,
+  fp_store_multiple = 1 << 25,
 };
 constexpr uint32_t dsp_extension = dsp | long_dsp;
 constexpr uint32_t two_results = long_multiply | long_dsp;  ///< in RdLo and RdHi
@@ -50,6 +57,9 @@ constexpr uint32_t exclusive = exclusive_load | exclusive_store;
 constexpr uint32_t multiple = multiple_load | multiple_store;
 constexpr uint32_t single_transfer = load | store | exclusive;
 constexpr uint32_t transfer = single_transfer | dual_load | dual_store | multiple;
+constexpr uint32_t fp_multiple = fp_load_multiple | fp_store_multiple;
+constexpr uint32_t fp_transfer = fp_load | fp_store | fp_multiple;
+constexpr uint32_t fp_extension = fp | fp_core | fp_transfer;
 constexpr uint32_t any_branch = branch | table_branch;
 }  // namespace kind
 
@@ -121,6 +131,8 @@ enum Set : uint8_t {
   v6m = 1 << 0,   ///< Armv6-M, which Armv7-M contains
   v7m = 1 << 1,   ///< Armv7-M beyond that
   v7em = 1 << 2,  ///< the DSP extension of Armv7-M
+  fpv4 = 1 << 3,  ///< its floating-point extension FPv4-SP
+  all = v6m | v7m | v7em | fpv4,
 };
 }  // namespace instruction_set
 
@@ -177,6 +189,42 @@ inline uint32_t pc_of(const DecodedOp& op) {
 inline uint32_t next_address(const DecodedOp& op) {
   return op.address + op.size;
 }
+/// Registers of the floating-point extension. They are in the encoding alone; a double-precision
+/// register n is the single-precision ones 2n and 2n + 1.
+namespace fp_operand {
+/// Of transfers and moves: double-precision registers.
+constexpr bool is_double(const DecodedOp& op) {
+  return (op.encoding & 1u << 8) != 0;
+}
+constexpr unsigned d(const DecodedOp& op) {
+  return (op.encoding >> 12 & 15) << 1 | (op.encoding >> 22 & 1);
+}
+constexpr unsigned n(const DecodedOp& op) {
+  return (op.encoding >> 16 & 15) << 1 | (op.encoding >> 7 & 1);
+}
+constexpr unsigned m(const DecodedOp& op) {
+  return (op.encoding & 15) << 1 | (op.encoding >> 5 & 1);
+}
+/// The first single-precision register of a load or store.
+constexpr unsigned first(const DecodedOp& op) {
+  return is_double(op) ? (op.encoding >> 12 & 15) << 1 : d(op);
+}
+/// How many of them VLDM and VSTM transfer; the odd word of FLDMX and FSTMX is none.
+constexpr unsigned count(const DecodedOp& op) {
+  const unsigned words = op.encoding & 0xFF;
+  return is_double(op) ? words & ~1u : words;
+}
+/// Of VMOV between a core register and a single-precision one, or half of a double-precision one.
+constexpr unsigned moved(const DecodedOp& op) {
+  return is_double(op) ? (op.encoding >> 16 & 15) << 1 | (op.encoding >> 21 & 1) : n(op);
+}
+/// The first of the two that VMOV exchanges with two core registers.
+constexpr unsigned pair(const DecodedOp& op) {
+  return is_double(op) ? (op.encoding & 15) << 1 : m(op);
+}
+constexpr unsigned registers = 32;
+}  // namespace fp_operand
+
 /// True where a logical operation that sets the flags gives C a value: its operand was shifted, or
 /// is an immediate that was rotated.
 inline bool shifter_sets_carry(const DecodedOp& op) {

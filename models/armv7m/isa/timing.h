@@ -27,9 +27,12 @@ enum class CycleClass : uint8_t {
   sleep,
   special,  ///< MRS, MSR
   barrier,
-  system
+  system,
+  fp_multiply_add,
+  fp_divide,  ///< and the square root
+  fp_pair     ///< moves of two registers
 };
-inline constexpr std::size_t cycle_classes = static_cast<std::size_t>(CycleClass::system) + 1;
+inline constexpr std::size_t cycle_classes = static_cast<std::size_t>(CycleClass::fp_pair) + 1;
 
 /// The times that one core of the architecture has and another need not have (profile.h), in
 /// cycles.
@@ -47,6 +50,8 @@ struct Timing {
   bool three_stages;
   /// Of SMULL, UMULL, SMLAL and UMLAL (multiply_long_extra).
   bool long_multiply_by_operands;
+  /// Saving or restoring the floating-point registers of a context.
+  uint8_t fp_state;
 
   constexpr unsigned of(CycleClass kind) const { return cycles[static_cast<std::size_t>(kind)]; }
 };
@@ -70,6 +75,9 @@ inline constexpr Timing cortex_m3_timing{{
                                              2,  // special
                                              2,  // barrier
                                              2,  // system
+                                             0,  // fp_multiply_add: none, as the two after it
+                                             0,  // fp_divide: none
+                                             0,  // fp_pair: none
                                          },
                                          12,
                                          10,
@@ -78,7 +86,8 @@ inline constexpr Timing cortex_m3_timing{{
                                          2,
                                          3,
                                          true,
-                                         true};
+                                         true,
+                                         0};
 
 /// The times of all instructions, to be compared with the TRM. It depends on the instruction, its
 /// operands, whether it branches, and the instruction executed right before it; never on how the
@@ -169,6 +178,9 @@ inline constexpr Timing cortex_m0plus_timing{{
                                                  3,  // special
                                                  3,  // barrier
                                                  1,  // system
+                                                 0,  // fp_multiply_add: none
+                                                 0,  // fp_divide: none
+                                                 0,  // fp_pair: none
                                              },
                                              15,
                                              11,
@@ -177,7 +189,8 @@ inline constexpr Timing cortex_m0plus_timing{{
                                              1,
                                              2,
                                              false,
-                                             false};
+                                             false,
+                                             0};
 
 /// Of the Cortex-M4: as the Cortex-M3, except its multiplier of one cycle (ARM DDI 0439D, tables
 /// 3-1 and 3-2).
@@ -203,6 +216,33 @@ constexpr Timing make_cortex_m4_timing() {
 }
 inline constexpr Timing cortex_m4_timing = make_cortex_m4_timing();
 
+/// Of the Cortex-M4 with FPU: as without, and its instructions by its TRM (ARM DDI 0439D, table
+/// 7-1). An exception stacks and unstacks 17 words more where it has to, at one a cycle; so does
+/// the first instruction that finds a save due.
+///
+/// | TRM, table 7-1                         | there   | here    |
+/// |----------------------------------------|---------|---------|
+/// | VADD, VSUB, VMUL, VNMUL, VABS, VNEG    | 1       | 1       |
+/// | VCMP, VCVT                             | 1       | 1       |
+/// | VMLA, VFMA and their like              | 3       | 3       |
+/// | VDIV, VSQRT                            | 14      | 14      |
+/// | VMOV of one register, VMRS, VMSR       | 1       | 1       |
+/// | VMOV of two registers                  | 2       | 2       |
+/// | VLDR, VSTR of a single, of a double    | 2, 3    | 2, 3    |
+/// | VLDM, VSTM, VPUSH, VPOP of N words     | 1 + N   | 1 + N   |
+///
+/// Not modelled: the cycle more that a result takes to the next instruction if that consumes it,
+/// the integer instructions that overlap with VDIV and VSQRT, and pairing of VLDR and VSTR.
+constexpr Timing make_cortex_m4f_timing() {
+  Timing made = cortex_m4_timing;
+  made.cycles[static_cast<std::size_t>(CycleClass::fp_multiply_add)] = 3;
+  made.cycles[static_cast<std::size_t>(CycleClass::fp_divide)] = 14;
+  made.cycles[static_cast<std::size_t>(CycleClass::fp_pair)] = 2;
+  made.fp_state = 17;
+  return made;
+}
+inline constexpr Timing cortex_m4f_timing = make_cortex_m4f_timing();
+
 /// What follows is common to the cores with three stages (Timing::three_stages): pairing, folding
 /// and what operands add.
 namespace timing {
@@ -213,6 +253,9 @@ constexpr unsigned most_refill = 3;
 /// Most wait states that a memory may have. With them, the time of any instruction and its fetch
 /// fits the byte of a decoded instruction; an LDM of 16 registers takes 17 cycles.
 constexpr unsigned most_wait_states = 200;
+
+/// Of saving floating-point registers, and how many words these are (Timing::fp_state).
+constexpr uint32_t most_fp_save = cortex_m4f_timing.fp_state;
 
 /// Cycles that a refill of one or two cycles takes longer because of its target instruction.
 inline unsigned refill_beyond(const DecodedOp& target) {

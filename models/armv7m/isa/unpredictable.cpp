@@ -60,6 +60,26 @@ bool forbidden_transfer_registers(const DecodedOp& op, const Encoding& line) {
   return is_special(op.rd);
 }
 
+bool forbidden_fp_registers(const DecodedOp& op) {
+  const bool pair = op.operation == O::vmov_pair_to_core || op.operation == O::vmov_pair_from_core;
+  if (op.operation == O::vmrs) return op.rd == 13;  // R15: the flags
+  if (is(op, kind::fp_core)) return is_special(op.rd) || (pair && is_special(op.ra));
+  return is(op, kind::fp_store | kind::fp_multiple) && op.rn == 15;
+}
+
+/// Registers of the floating-point extension that there are not, or a fraction that is too long.
+bool forbidden_fp_operands(const DecodedOp& op, const Encoding& line) {
+  constexpr uint32_t of_32_bits = 1u << 7;
+  if (is(op, kind::fp_multiple)) {
+    const unsigned count = fp_operand::count(op);
+    return count == 0 || fp_operand::first(op) + count > fp_operand::registers;
+  }
+  if (op.operation == O::vmov_pair_to_core || op.operation == O::vmov_pair_from_core)
+    return fp_operand::pair(op) + 2 > fp_operand::registers;
+  const unsigned less = (op.encoding & 15) << 1 | (op.encoding >> 5 & 1);
+  return line.form == Form::fp_fixed && (op.encoding & of_32_bits) == 0 && less > 16;
+}
+
 bool forbidden_register(const DecodedOp& op, const Encoding& line) {
   switch (op.operation) {
     case O::tbb:
@@ -72,6 +92,7 @@ bool forbidden_register(const DecodedOp& op, const Encoding& line) {
     default:
       break;
   }
+  if (is(op, kind::fp_extension)) return forbidden_fp_registers(op);
   if (is(op, kind::multiple)) return op.rn == 15;
   if (is(op, kind::transfer)) return forbidden_transfer_registers(op, line);
   if (is(op, kind::data_processing)) return forbidden_data_registers(op, line);
@@ -96,6 +117,7 @@ bool base_is_transferred(const DecodedOp& op, const Encoding& line) {
 
 bool has_one_destination_for_two(const DecodedOp& op) {
   if (is(op, kind::two_results | kind::dual_load)) return op.rd == op.ra;
+  if (op.operation == O::vmov_pair_to_core) return op.rd == op.ra;
   return is(op, kind::exclusive_store) && (op.ra == op.rd || op.ra == op.rn);
 }
 
@@ -119,6 +141,7 @@ std::optional<Unpredictable> wide(const DecodedOp& op, const Encoding& line) {
     return Unpredictable::preload_form;
   if (is(op, kind::transfer) && base_is_transferred(op, line))
     return Unpredictable::written_back_base;
+  if (forbidden_fp_operands(op, line)) return Unpredictable::fp_operands;
   if (has_one_destination_for_two(op)) return Unpredictable::same_destination;
   if (is(op, kind::reverse) && op.rn != op.rm) return Unpredictable::two_operands_differ;
   if (field_is_impossible(op)) return Unpredictable::bit_field;

@@ -165,11 +165,18 @@ BusResult MemoryAccess::read(uint32_t address, unsigned size, uint32_t& value, b
 }
 
 BusResult MemoryAccess::write(uint32_t address, unsigned size, uint32_t value, bool privileged) {
+  return write(address, size, value, privileged, context_.state.at_negative_priority());
+}
+
+BusResult MemoryAccess::write(uint32_t address, unsigned size, uint32_t value, bool privileged,
+                              bool at_negative_priority) {
   if (in_private_peripherals(address)) {
     const BusResult result = private_bus_.write(address, size, value, privileged);
     return shown({address, value, size, true}, result);
   }
-  if (!allows(address, true, false, privileged)) return BusResult::violation;
+  if (context_.state.mpu.applies(at_negative_priority) &&
+      !regions_allow(address, true, false, privileged))
+    return BusResult::violation;
   if (!in_bit_band_alias(address)) return write_physical(address, size, value);
   const BitBand target = bit_band(address, size);
   uint32_t unit = 0;
@@ -217,8 +224,7 @@ bool MemoryAccess::mpu_applies() const {
 /// MPU rights do not differ within 32 bytes, so they are cached by line, with enough lines for a
 /// task's stack and data. Where regions share pages, as the stacks of an RTOS do, every access is
 /// checked here.
-bool MemoryAccess::allows(uint32_t address, bool write, bool fetch, bool privileged) {
-  if (!mpu_applies()) return true;
+bool MemoryAccess::regions_allow(uint32_t address, bool write, bool fetch, bool privileged) {
   Line& line = lines_[address >> 5 & (lines_.size() - 1)];
   const uint32_t tag = address >> 5 | 1u << 31;
   if (line.tag != tag) line = {tag, context_.state.mpu.rights(address)};

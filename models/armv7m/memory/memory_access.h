@@ -47,6 +47,9 @@ class MemoryAccess {
   // registers.
   BusResult read(uint32_t address, unsigned size, uint32_t& value, bool privileged);
   BusResult write(uint32_t address, unsigned size, uint32_t value, bool privileged);
+  /// The same at another priority than the present one (State::at_negative_priority).
+  BusResult write(uint32_t address, unsigned size, uint32_t value, bool privileged,
+                  bool at_negative_priority);
   BusResult read_physical(uint32_t address, unsigned size, uint32_t& value);
   /// Host bytes of at most 16 words that may all be accessed directly; their wait states are
   /// charged. Null: access them one by one, by read() and write().
@@ -98,7 +101,10 @@ class MemoryAccess {
   bool is_vector(uint32_t address) const;
   void tell_of_vector(const VectorWrite& write);
   bool mpu_applies() const;
-  bool allows(uint32_t address, bool write, bool fetch, bool privileged);
+  bool allows(uint32_t address, bool write, bool fetch, bool privileged) {
+    return !mpu_applies() || regions_allow(address, write, fetch, privileged);
+  }
+  bool regions_allow(uint32_t address, bool write, bool fetch, bool privileged);
   uint8_t* shared_page(uint32_t address, bool write, bool user);
   void fill_view(uint32_t address);
   bool buffered(const Step& op, uint32_t address) const;

@@ -22,16 +22,21 @@ constexpr uint32_t readable(Access access) {
 constexpr SystemRegister of_armv7m[] = {
 #include "armv7m/system/registers.def"
 };
+constexpr SystemRegister of_armv7m_fp[] = {
+#include "armv7m/system/registers.def"
+#include "armv7m/system/registers_fp.def"
+};
 constexpr SystemRegister of_armv6m[] = {
 #include "armv7m/system/registers_armv6m.def"
 };
 #undef SYSTEM_REGISTER
-static_assert(std::size(of_armv7m) < 256 && std::size(of_armv6m) < 256);
+static_assert(std::size(of_armv7m_fp) < 256 && std::size(of_armv6m) < 256);
 
 }  // namespace
 
 // The compiler makes them: cores may be built before anything is initialized.
 constexpr SystemRegisters armv7m_registers(of_armv7m, std::size(of_armv7m));
+constexpr SystemRegisters armv7m_fp_registers(of_armv7m_fp, std::size(of_armv7m_fp));
 constexpr SystemRegisters armv6m_registers(of_armv6m, std::size(of_armv6m));
 
 const SystemRegister* SystemRegisters::find(uint32_t address) const {

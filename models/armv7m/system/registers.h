@@ -14,6 +14,7 @@ enum Address : uint32_t {
 #define SYSTEM_REGISTER(name, address, words, room, access, parts, reset, writable, ones) \
   name = (address),
 #include "armv7m/system/registers.def"
+#include "armv7m/system/registers_fp.def"
 #undef SYSTEM_REGISTER
 };
 }  // namespace ppb
@@ -30,10 +31,11 @@ enum class Room : uint8_t {
   scb,
   exceptions,
   mpu,
-  debug
+  debug,
+  fpu
 };
 
-/// One row of registers.def.
+/// One row of registers.def or registers_fp.def.
 struct SystemRegister {
   registers::RegisterDescription description;  ///< its offset counts from 0xE0000000
   Room room;

@@ -53,6 +53,10 @@ Fault fault_of(Cause cause) {
       return {12, exception::bus_fault};
     case Cause::stacking_access:
       return {4, exception::mem_manage};
+    case Cause::lazy_bus:
+      return {13, exception::bus_fault};
+    case Cause::lazy_access:
+      return {5, exception::mem_manage};
     case Cause::unstacking_bus:
       return {11, exception::bus_fault};
     default:  // unstacking_access

@@ -67,6 +67,8 @@ uint32_t SystemSpace::peek(uint32_t address) const {
       if (address == ppb::DHCSR) return context_.halting.control_and_status();
       return state.scb.demcr() |
              (state.nvic.is_pending(exception::debug_monitor) ? demcr_mon_pend : 0);
+    case Room::fpu:
+      return state.fpu.read(address);
     case Room::identity:
       return context_.profile.identity.word(address);
     case Room::constant:
@@ -131,6 +133,9 @@ void SystemSpace::write_word(const SystemRegister& target, uint32_t address,
     case Room::mpu:
       state.mpu.write(address, write.value);
       memory_.regions_changed();
+      break;
+    case Room::fpu:
+      state.fpu.write(target, write);
       break;
     case Room::exceptions:
       if (address == ppb::ICSR)

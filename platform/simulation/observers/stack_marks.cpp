@@ -43,9 +43,10 @@ StackMark& StackMarks::main_stack() {
 /// The stack that was left at this PSP, before or after an exception's frame was unstacked.
 StackMark& StackMarks::process_stack(uint32_t psp) {
   main_stack();
-  const auto is_here = [psp](const StackMark& stack) {
+  const bool extended = view_.soc().cpu.core().state().has_fp_context();
+  const auto is_here = [psp, extended](const StackMark& stack) {
     if (!stack.process) return false;
-    return psp == stack.suspended_at || armv7m::is_unstacked(psp, stack.suspended_at);
+    return psp == stack.suspended_at || armv7m::is_unstacked(psp, stack.suspended_at, extended);
   };
   auto found = std::find_if(stacks_.begin(), stacks_.end(), is_here);
   if (found == stacks_.end()) {

@@ -47,7 +47,7 @@ bool leave_exception(uint32_t exc_return, Context& context, const ReadWord& read
   if (!psr) return false;
   before.r[program_counter] &= ~1u;
   before.r[stack_pointer] =
-      frame + armv7m::exception_frame_bytes + ((*psr & stacked_alignment) != 0 ? 4 : 0);
+      frame + armv7m::frame_bytes(exc_return) + ((*psr & stacked_alignment) != 0 ? 4 : 0);
   before.exception = *psr & armv7m::exception_number_mask;
   context = before;
   return true;

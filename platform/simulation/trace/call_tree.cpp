@@ -241,8 +241,8 @@ void CallTree::returned(const Core& core, unsigned exception) {
 }
 
 void CallTree::resume_thread(const Core& core) {
-  const auto here = [stack_pointer = core.reg(13)](const Stack& stack) {
-    return armv7m::is_unstacked(stack_pointer, stack.interrupted_at);
+  const auto here = [&core](const Stack& stack) {
+    return armv7m::is_unstacked(core.reg(13), stack.interrupted_at, core.state().has_fp_context());
   };
   if (here(nest_.front())) return;
   suspended_.push_back(std::move(nest_.front()));

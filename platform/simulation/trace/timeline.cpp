@@ -275,8 +275,8 @@ void Timeline::returned(const armv7m::Core& core) {
 /// A thread has the processor: the one that was interrupted with this stack, or another one.
 void Timeline::resume(const armv7m::Core& core) {
   running_since_ps_ = ps(core.cycles());
-  const auto is_here = [stack_pointer = core.reg(13)](const Thread& thread) {
-    return armv7m::is_unstacked(stack_pointer, thread.stack);
+  const auto is_here = [&core](const Thread& thread) {
+    return armv7m::is_unstacked(core.reg(13), thread.stack, core.state().has_fp_context());
   };
   if (running_ && is_here(*running_)) return;
   if (running_) suspended_.push_back(*running_);
