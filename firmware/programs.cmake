@@ -59,6 +59,12 @@ foreach(test hello dsp no_fpu)
   capsoc_firmware(${test}_m4 SOURCES tests/${test}.c OBJECTS runtime_m4 PROCESSOR cortex-m4)
 endforeach()
 capsoc_firmware(selfcal_m4 SOURCES apps/selfcal/main.c ${shared} OBJECTS runtime_m4 PROCESSOR cortex-m4)
+# For the Cortex-M4 with FPU (-C cpu.profile=m4f).
+capsoc_firmware_objects(runtime_m4f PROCESSOR cortex-m4f SOURCES ${runtime})
+foreach(test hello fpu fpu_context)
+  capsoc_firmware(${test}_m4f SOURCES tests/${test}.c OBJECTS runtime_m4f PROCESSOR cortex-m4f)
+endforeach()
+capsoc_firmware(selfcal_m4f SOURCES apps/selfcal/main.c ${shared} OBJECTS runtime_m4f PROCESSOR cortex-m4f)
 # Without our start-up.
 capsoc_firmware(armv6m SOURCES tests/armv6m.c LINKER_SCRIPT tests/armv6m.ld PROCESSOR cortex-m0plus)
 capsoc_firmware(rdimon SOURCES tests/rdimon.c NEWLIB_START LINKER_SCRIPT tests/rdimon.ld LINK_OPTIONS --specs=rdimon.specs)

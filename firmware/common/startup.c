@@ -106,6 +106,10 @@ __attribute__((section(".vectors"), used)) const struct vector_table vector_tabl
 };
 
 void Reset_Handler(void) {
+#ifdef __ARM_FP
+  *(volatile uint32_t*)0xE000ED88u = 0xF00000u;  // CPACR: CP10 and CP11
+  __asm volatile("dsb\n isb");
+#endif
   const uint32_t* from = data_load;
   for (uint32_t* to = data_start; to != data_end; ++to) *to = *from++;
   for (uint32_t* to = bss_start; to != bss_end; ++to) *to = 0;

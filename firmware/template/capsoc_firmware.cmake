@@ -5,12 +5,22 @@
 #
 # makes the executable target <name> and its file <name>.elf. The linker takes the sources and then the objects, in the order
 # in which they are named; what nothing calls is left out. OPTIMISE is -Os without a word, LINKER_SCRIPT the variable
-# CAPSOC_LINKER_SCRIPT. PROCESSOR is for the compiler's -mcpu (cortex-m0plus, cortex-m4), the toolchain's without a word. Vectors and start-up are among the sources, or with NEWLIB_START newlib's own.
+# CAPSOC_LINKER_SCRIPT. PROCESSOR is for the compiler's -mcpu (cortex-m0plus, cortex-m4), the toolchain's without a word; cortex-m4f is a cortex-m4 whose FPU
+# takes the arguments of functions, too. Vectors and start-up are among the sources, or with NEWLIB_START newlib's own.
 #
 #   capsoc_firmware_objects(<objects> SOURCES <file>... [OPTIMISE <level>] [PROCESSOR <name>])
 #
 # compiles files once for several programs. Include folders, warnings and other options are those of the folder
 # (include_directories, add_compile_options, add_link_options).
+
+# The compiler's options for a PROCESSOR, also for the linker, which chooses libraries by them.
+function(capsoc_processor_options result processor)
+  if(processor STREQUAL "cortex-m4f")
+    set(${result} -mcpu=cortex-m4 -mfpu=fpv4-sp-d16 -mfloat-abi=hard PARENT_SCOPE)
+  else()
+    set(${result} -mcpu=${processor} PARENT_SCOPE)
+  endif()
+endfunction()
 
 function(capsoc_firmware_objects name)
   cmake_parse_arguments(PARSE_ARGV 1 of "" "OPTIMISE;PROCESSOR" "SOURCES")
@@ -21,7 +31,8 @@ function(capsoc_firmware_objects name)
   set_target_properties(${name} PROPERTIES C_STANDARD 11)
   target_compile_options(${name} PRIVATE -g ${of_OPTIMISE} -ffunction-sections -fdata-sections -fno-common)
   if(of_PROCESSOR)
-    target_compile_options(${name} PRIVATE -mcpu=${of_PROCESSOR}) # the last one counts
+    capsoc_processor_options(options "${of_PROCESSOR}")
+    target_compile_options(${name} PRIVATE ${options}) # the last one counts
   endif()
 endfunction()
 
@@ -39,7 +50,8 @@ function(capsoc_firmware name)
   add_executable(${name} ${of_OBJECTS})
   set_target_properties(${name} PROPERTIES SUFFIX .elf LINKER_LANGUAGE C LINK_DEPENDS "${script}")
   if(of_PROCESSOR)
-    target_link_options(${name} PRIVATE -mcpu=${of_PROCESSOR}) # chooses the libraries
+    capsoc_processor_options(options "${of_PROCESSOR}")
+    target_link_options(${name} PRIVATE ${options})
   endif()
   if(NOT of_NEWLIB_START)
     target_link_options(${name} PRIVATE -nostartfiles)

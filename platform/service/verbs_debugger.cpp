@@ -163,7 +163,7 @@ std::vector<BoardVerb> debugger_verbs() {
       {{"debugger.about",
         "What a debugger shows of the processor and its memory map.",
         {},
-        {{"processor", "text", "cortex-m3, cortex-m0plus or cortex-m4"},
+        {{"processor", "text", "cortex-m3, cortex-m0plus, cortex-m4 or cortex-m4f"},
          {"state", "text", "what the processor does, in words"},
          {"memory", "list", "of [start, length]: what can be read and written"}}},
        about,

@@ -74,6 +74,7 @@ const char* description_of(const std::string& kind) {
       {"SCB", "System control block"},
       {"MPU", "Memory protection unit"},
       {"DCB", "Debug control block"},
+      {"FPU", "Floating-point unit"},
   };
   for (const auto& [name, text] : descriptions)
     if (kind == name) return text;
@@ -156,7 +157,7 @@ constexpr CorePlace core_places[] = {
     {"SCNSCB", 0xE000E000, 0x10, ""},     {"SYSTICK", 0xE000E010, 0x10, "SYST_"},
     {"NVIC", 0xE000E100, 0x400, "NVIC_"}, {"SCB", 0xE000ED00, 0x90, ""},
     {"MPU", 0xE000ED90, 0x2C, "MPU_"},    {"DCB", 0xE000EDF0, 0x10, ""},
-    {"NVIC", 0xE000EF00, 0x4, ""},
+    {"NVIC", 0xE000EF00, 0x4, ""},        {"FPU", 0xE000EF34, 0x14, ""},
 };
 
 /// The name of one word of a row of registers.def; "" of a reserved one.

@@ -422,6 +422,24 @@ TEST_P(FpuContext, AFaultOfTheSaveIsTakenBeforeTheInstruction) {
   EXPECT_EQ(b.peek(frame + 0x40), 108u) << "saved when the instruction was repeated";
   expect_untouched(b);
 }
+TEST_P(FpuContext, TheInstructionIsRepeatedInItsItBlock) {
+  Bench b(0, cortex_m4f);
+  prepare_context(b, {0xDF00});
+  // cmp r0,r0; ite eq; vmoveq s0,r1; addne r7,#1; vmov r6,s0; bx lr
+  b.code(Bench::handler(exception::svcall),
+         {0x4280, 0xBF0C, 0xEE00, 0x1A10, 0x3701, 0xEE10, 0x6A10, 0x4770});
+  b.code(Bench::handler(exception::mem_manage), {0x602C, 0x4770});
+  b.core.set_reg(1, 9);
+  b.core.set_reg(5, ppb::MPU_CTRL);
+  write(b, ppb::SHCSR, 1u << 16);
+  write(b, ppb::SHPR + 4, 0x80000000);
+  b.core.run(b.core.cycles() + 2);
+  protect(b, Bench::stack - extended_frame_bytes + 0x40, 32);
+  run(b);
+  EXPECT_EQ(b.core.last_fault().cfsr, mlsperr);
+  EXPECT_EQ(b.core.reg(6), 9u);
+  EXPECT_EQ(b.core.reg(7), 0u);
+}
 TEST_P(FpuContext, AFaultThatTheContextCouldNotHaveTakenEscalates) {
   Bench b(0, cortex_m4f);
   prepare_context(b, {0xDF00});  // MemManage is disabled: MMRDY is clear

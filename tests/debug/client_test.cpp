@@ -95,6 +95,32 @@ TEST_F(ClientTest, RegistersAreEightyBytesInTheOrderOfTheDescription) {
   EXPECT_EQ(ask("G00"), "E01");
 }
 
+// GDB's documentation, "ARM Features": org.gnu.gdb.arm.vfp has d0 to d15 and fpscr.
+TEST_F(ClientTest, AnFpuHasDoublePrecisionRegistersOfTwoSinglesEach) {
+  EXPECT_EQ(ask("qXfer:features:read:target.xml:0,4000").find("vfp"), std::string::npos);
+  target.has_fpu = true;
+  for (unsigned i = 0; i < registers.size(); ++i) target.values[i] = i + 1;
+  const std::string xml = ask("qXfer:features:read:target.xml:0,4000");
+  EXPECT_NE(xml.find("org.gnu.gdb.arm.vfp"), std::string::npos);
+  EXPECT_NE(xml.find("name=\"d15\" bitsize=\"64\" regnum=\"47\" type=\"ieee_double\""),
+            std::string::npos);
+  EXPECT_NE(xml.find("name=\"fpscr\" bitsize=\"32\" regnum=\"48\""), std::string::npos);
+  EXPECT_EQ(xml.find("\"s0\""), std::string::npos) << "GDB makes them of the others";
+  const std::string all = ask("g");
+  ASSERT_EQ(all.size(), 160U + 33 * 8);
+  EXPECT_EQ(all.substr(160, 16), "1800000019000000") << "s0, s1";
+  EXPECT_EQ(ask("p20"), "1800000019000000");
+  EXPECT_EQ(ask("p2f"), "3600000037000000");
+  EXPECT_EQ(ask("p30"), "38000000");
+  EXPECT_EQ(ask("p31"), "E01");
+  EXPECT_EQ(ask("P21=0403020108070605"), "OK");
+  EXPECT_EQ(target.values[first_fpu_register + 2], 0x01020304U);
+  EXPECT_EQ(target.values[first_fpu_register + 3], 0x05060708U);
+  EXPECT_EQ(ask("P21=04030201"), "E01");
+  EXPECT_EQ(ask("P30=00004001"), "OK");
+  EXPECT_EQ(target.values[first_fpu_register + fpu_singles], 0x01400000U);
+}
+
 TEST_F(ClientTest, DescriptionNamesBothFeatures) {
   const std::string xml = ask("qXfer:features:read:target.xml:0,4000");
   EXPECT_EQ(xml.front(), 'l');

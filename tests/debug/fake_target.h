@@ -20,8 +20,11 @@ class FakeTarget : public Target {
   std::vector<std::tuple<StopPoint, uint32_t, uint32_t>> points;
   int resets = 0;
   std::set<unsigned> missing;  ///< registers that the processor does not have
+  bool has_fpu = false;
 
-  bool has_register(unsigned index) override { return missing.count(index) == 0; }
+  bool has_register(unsigned index) override {
+    return missing.count(index) == 0 && (has_fpu || index < first_fpu_register);
+  }
   uint32_t read_register(unsigned index) override { return values.at(index); }
   void write_register(unsigned index, uint32_t value) override { values.at(index) = value; }
   std::string read_memory(uint32_t address, uint32_t length) override {

@@ -72,6 +72,13 @@ TEST_F(CallStackTest, CountsTheWordThatAlignedTheFrame) {
   ASSERT_GE(stack_now.frames.size(), 3U);
   EXPECT_EQ(stack_now.frames[2].stack_pointer, stack + 0x24);
 }
+// B1.5.8: EXC_RETURN, bit 4, of a frame with floating-point registers.
+TEST_F(CallStackTest, AnExtendedFrameHasEighteenWordsMore) {
+  frame(stack, 0x1011, 0x1108, 1U << 24 | 1U << 9);
+  const CallStack stack_now = from(0x1204, 0xFFFFFFE9, 15);
+  ASSERT_GE(stack_now.frames.size(), 3U);
+  EXPECT_EQ(stack_now.frames[2].stack_pointer, stack + 0x6C);
+}
 
 TEST_F(CallStackTest, NestedHandlersStackOnTheMainStack) {
   frame(stack, 0xFFFFFFFD, 0x1204, 1U << 24 | 15);

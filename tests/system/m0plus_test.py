@@ -68,8 +68,10 @@ class Differences(Case):
         ):
             done = capsoc("run", HELLO, *CHOSEN, *options)
             self.check_refused(done.returncode, done.stdout, done.stderr.decode(), *words)
-        done = capsoc("run", HELLO, "-C", "cpu.profile=m4f")
-        self.check_refused(done.returncode, done.stdout, done.stderr.decode(), "cpu.profile", "m3", "m0plus", "m4")
+        done = capsoc("run", HELLO, "-C", "cpu.profile=m7")
+        self.check_refused(
+            done.returncode, done.stdout, done.stderr.decode(), "cpu.profile", "m3", "m0plus", "m4", "m4f"
+        )
 
     def test_a_checkpoint_belongs_to_its_processor(self):
         whole = output_of(CAPSOC, "run", HELLO, *CHOSEN, "--json", self.folder / "whole.json")

@@ -70,17 +70,17 @@ class Differences(Case):
         self.assertEqual(done.stdout, b"CPACR 00000000\n", "it cannot be enabled")
         self.assertIn(
             "NOCP: coprocessor instruction without a coprocessor (of an FPU, which the Cortex-M4 does not have; "
-            "build with -mfloat-abi=soft)",
+            "build with -mfloat-abi=soft, or run it with -C cpu.profile=m4f)",
             done.stderr.decode(),
         )
 
-    def test_one_with_an_fpu_is_refused(self):
-        done = capsoc("run", HELLO, "-C", "cpu.profile=m4f")
+    def test_a_processor_that_there_is_not_is_refused(self):
+        done = capsoc("run", HELLO, "-C", "cpu.profile=m7")
         self.check_refused(
             done.returncode,
             done.stdout,
             done.stderr.decode(),
-            "cpu.profile cannot be 'm4f'; choose one of m3, m0plus, m4",
+            "cpu.profile cannot be 'm7'; choose one of m3, m0plus, m4, m4f",
         )
 
     def test_a_checkpoint_has_ge_and_belongs_to_its_processor(self):

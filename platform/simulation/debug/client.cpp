@@ -14,11 +14,17 @@ namespace {
 constexpr const char *ok = "OK", *malformed = "E01", *no_memory = "E0e", *refused = "E16";
 constexpr int sigint = 2, sigtrap = 5, sigabrt = 6, sigsegv = 11;
 
-/// Index into `registers` of GDB's number.
-std::optional<unsigned> index_of(uint32_t number) {
-  if (number < 16) return number;
-  if (number < xpsr_number || number - xpsr_number + 16 >= registers.size()) return std::nullopt;
-  return number - xpsr_number + 16;
+/// What GDB's number means: one of `registers`, or two that are a double-precision one.
+struct Numbered {
+  unsigned first, count = 1;
+};
+std::optional<Numbered> numbered(uint32_t number) {
+  if (number < 16) return Numbered{number};
+  if (number < xpsr_number || number > fpscr_number) return std::nullopt;
+  if (number == fpscr_number) return Numbered{first_fpu_register + fpu_singles};
+  if (number >= first_double_number)
+    return Numbered{first_fpu_register + 2 * (number - first_double_number), 2};
+  return Numbered{number - xpsr_number + 16};
 }
 
 std::string little_endian(uint32_t value, unsigned bits) {
@@ -399,18 +405,26 @@ void Client::write_registers(std::string_view hex) {
 
 void Client::read_register(std::string_view text) {
   const auto number = take_number(text);
-  const auto index = number ? index_of(*number) : std::nullopt;
-  if (!index || !target_.has_register(*index)) return reply(malformed);
-  reply(little_endian(target_.read_register(*index), registers[*index].bits));
+  const auto found = number ? numbered(*number) : std::nullopt;
+  if (!found || !target_.has_register(found->first)) return reply(malformed);
+  std::string value;
+  for (unsigned i = found->first; i < found->first + found->count; ++i)
+    value += little_endian(target_.read_register(i), registers[i].bits);
+  reply(value);
 }
 
 void Client::write_register(std::string_view text) {
   const auto number = take_number(text);
-  const auto index = number ? index_of(*number) : std::nullopt;
-  if (!index || !target_.has_register(*index) || !take(text, "=")) return reply(malformed);
-  const auto value = take_register(text, registers[*index].bits);
-  if (!value) return reply(malformed);
-  target_.write_register(*index, *value);
+  const auto found = number ? numbered(*number) : std::nullopt;
+  if (!found || !target_.has_register(found->first) || !take(text, "=")) return reply(malformed);
+  std::array<uint32_t, 2> values{};
+  for (unsigned i = 0; i < found->count; ++i) {
+    const auto value = take_register(text, registers[found->first + i].bits);
+    if (!value) return reply(malformed);
+    values.at(i) = *value;
+  }
+  for (unsigned i = 0; i < found->count; ++i)
+    target_.write_register(found->first + i, values.at(i));
   reply(ok);
 }
 

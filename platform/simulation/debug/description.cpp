@@ -23,14 +23,27 @@ std::string feature(Target& target, const char* name, unsigned first, unsigned l
   return text + "</feature>\n";
 }
 
+/// The double-precision registers, of which GDB and LLDB make the others, and fpscr.
+std::string fpu_feature(Target& target) {
+  if (!target.has_register(first_fpu_register)) return "";
+  std::string text = "<feature name=\"org.gnu.gdb.arm.vfp\">\n";
+  for (unsigned n = 0; n < fpu_singles / 2; ++n)
+    text += fmt::format("<reg name=\"d{}\" bitsize=\"64\" regnum=\"{}\" type=\"ieee_double\"/>\n",
+                        n, first_double_number + n);
+  return text + fmt::format(
+                    "<reg name=\"fpscr\" bitsize=\"32\" regnum=\"{}\" type=\"int\" "
+                    "group=\"float\"/>\n</feature>\n",
+                    fpscr_number);
+}
+
 }  // namespace
 
 std::string target_description(Target& target) {
   return "<?xml version=\"1.0\"?>\n<!DOCTYPE target SYSTEM \"gdb-target.dtd\">\n"
          "<target version=\"1.0\">\n<architecture>arm</architecture>\n" +
          feature(target, "org.gnu.gdb.arm.m-profile", 0, first_system_register) +
-         feature(target, "org.gnu.gdb.arm.m-system", first_system_register, registers.size()) +
-         "</target>\n";
+         feature(target, "org.gnu.gdb.arm.m-system", first_system_register, first_fpu_register) +
+         fpu_feature(target) + "</target>\n";
 }
 
 std::string memory_map(const std::vector<MemoryRange>& ranges) {

@@ -19,6 +19,11 @@ bool on_private_bus(uint32_t address) {
 }
 
 enum : unsigned { xpsr = 16, msp, psp, primask, basepri, faultmask, control };
+constexpr unsigned fpscr = first_fpu_register + fpu_singles;
+
+bool is_single(unsigned index) {
+  return index >= first_fpu_register && index < fpscr;
+}
 
 armv7m::Watchpoint watchpoint(StopPoint kind, uint32_t address, uint32_t size) {
   return {address, size, kind != StopPoint::write_watchpoint, kind != StopPoint::read_watchpoint};
@@ -39,7 +44,7 @@ bool SocTarget::has_register(unsigned index) {
     case faultmask:
       return has.has_special(armv7m::special::faultmask);
     default:
-      return true;
+      return index < first_fpu_register || has.has_fpu();
   }
 }
 
@@ -60,8 +65,10 @@ uint32_t SocTarget::read_register(unsigned index) {
       return core.state().faultmask;
     case control:
       return core.state().control;
+    case fpscr:
+      return core.state().fpu.status().bits();
     default:
-      return core.reg(index);
+      return is_single(index) ? core.state().fpu.s(index - first_fpu_register) : core.reg(index);
   }
 }
 
@@ -81,9 +88,13 @@ void SocTarget::write_register(unsigned index, uint32_t value) {
     case faultmask:
       return core.edit().set_faultmask((value & 1) != 0);
     case control:
-      return core.edit().set_control(value);
+      return core.edit().set_control(value & core.profile().control_bits());
+    case fpscr:
+      core.edit().fpu.status() = armv7m::Fpscr(value);
+      return;
     default:
-      return core.set_reg(index, value);
+      return is_single(index) ? core.edit().fpu.set_s(index - first_fpu_register, value)
+                              : core.set_reg(index, value);
   }
 }
 

@@ -48,15 +48,24 @@ struct Register {
   unsigned bits;
 };
 
-/// In the order of their numbers: r0 to r15, xpsr (GDB's m-profile), then the m-system group.
-constexpr std::array<Register, 23> registers = {
-    {{"r0", 32},  {"r1", 32},     {"r2", 32},     {"r3", 32},       {"r4", 32},    {"r5", 32},
-     {"r6", 32},  {"r7", 32},     {"r8", 32},     {"r9", 32},       {"r10", 32},   {"r11", 32},
-     {"r12", 32}, {"sp", 32},     {"lr", 32},     {"pc", 32},       {"xpsr", 32},  {"msp", 32},
-     {"psp", 32}, {"primask", 8}, {"basepri", 8}, {"faultmask", 8}, {"control", 8}}};
-constexpr unsigned first_system_register = 17;
+/// In the order of their numbers: r0 to r15, xpsr (GDB's m-profile), the m-system group, then what
+/// is an FPU's: s0 to s31 and fpscr.
+constexpr std::array<Register, 56> registers = {
+    {{"r0", 32},  {"r1", 32},     {"r2", 32},     {"r3", 32},       {"r4", 32},     {"r5", 32},
+     {"r6", 32},  {"r7", 32},     {"r8", 32},     {"r9", 32},       {"r10", 32},    {"r11", 32},
+     {"r12", 32}, {"sp", 32},     {"lr", 32},     {"pc", 32},       {"xpsr", 32},   {"msp", 32},
+     {"psp", 32}, {"primask", 8}, {"basepri", 8}, {"faultmask", 8}, {"control", 8}, {"s0", 32},
+     {"s1", 32},  {"s2", 32},     {"s3", 32},     {"s4", 32},       {"s5", 32},     {"s6", 32},
+     {"s7", 32},  {"s8", 32},     {"s9", 32},     {"s10", 32},      {"s11", 32},    {"s12", 32},
+     {"s13", 32}, {"s14", 32},    {"s15", 32},    {"s16", 32},      {"s17", 32},    {"s18", 32},
+     {"s19", 32}, {"s20", 32},    {"s21", 32},    {"s22", 32},      {"s23", 32},    {"s24", 32},
+     {"s25", 32}, {"s26", 32},    {"s27", 32},    {"s28", 32},      {"s29", 32},    {"s30", 32},
+     {"s31", 32}, {"fpscr", 32}}};
+constexpr unsigned first_system_register = 17, first_fpu_register = 23, fpu_singles = 32;
 /// GDB's number of xpsr (the obsolete FPA registers are between pc and it).
 constexpr unsigned xpsr_number = 25;
+/// GDB has an FPU as d0 to d15 and fpscr.
+constexpr unsigned first_double_number = 32, fpscr_number = first_double_number + fpu_singles / 2;
 
 /// A range of addresses; its end may be that of the address space.
 struct MemoryRange {

@@ -70,15 +70,18 @@ std::string about_missing(const ProgramView& view, const armv7m::FaultReport& re
   if (!core.debug_read(address, code.data(), 2)) return "";
   if (armv7m::is_wide(code[0]) && !core.debug_read(address + 2, &code[1], 2)) return "";
   const armv7m::Profile& profile = core.profile();
-  const armv7m::DecodedOp op = armv7m::decode(address, code[0], code[1], 0, armv7m::cortex_m4);
+  const armv7m::DecodedOp op = armv7m::decode(address, code[0], code[1], 0, armv7m::cortex_m4f);
   const unsigned coprocessor = op.encoding >> 8 & 15;
-  if (report.cfsr == no_coprocessor && op.operation == armv7m::Operation::coprocessor)
-    return coprocessor == 10 || coprocessor == 11
-               ? fmt::format(
-                     " (of an FPU, which the {} does not have; build with "
-                     "-mfloat-abi=soft)",
-                     profile.product)
-               : "";
+  const bool for_fpu = coprocessor == 10 || coprocessor == 11;
+  if (report.cfsr == no_coprocessor && armv7m::is_wide(code[0])) {
+    if (!for_fpu) return "";
+    if (profile.has_fpu())
+      return " (of the FPU, which the program has not enabled: CPACR, bits 20 to 23)";
+    return fmt::format(
+        " (of an FPU, which the {} does not have; build with -mfloat-abi=soft, or run it with "
+        "-C cpu.profile=m4f)",
+        profile.product);
+  }
   if (op.operation == armv7m::Operation::undefined ||
       (armv7m::line_of(op).set & profile.instruction_sets) != 0)
     return "";

@@ -22,10 +22,11 @@ constexpr const char* forms =
     "coprocessor.STATE, model.STATE, rtl.FLIP_FLOP, sin or cos";
 
 /// What exists of a register that a debugger shows in a byte.
-unsigned bits_of(const debug::Register& reg) {
+unsigned bits_of(const debug::Register& reg, const armv7m::Profile& profile) {
   const std::string name = reg.name;
   if (name == "primask" || name == "faultmask") return 1;
-  return name == "control" ? 2 : reg.bits;
+  if (name == "control") return static_cast<unsigned>(__builtin_popcount(profile.control_bits()));
+  return reg.bits;
 }
 
 class CoreRegister final : public Place {
@@ -147,7 +148,8 @@ Result<PlacedBit> Places::core_bit(const std::string& name, unsigned bit) const 
     if (!target.has_register(i)) continue;
     names.emplace_back(reg.name);
     if (own != reg.name) continue;
-    if (bit >= bits_of(reg)) return no_such_bit(name, bit, bits_of(reg));
+    const unsigned bits = bits_of(reg, soc_.cpu.core().profile());
+    if (bit >= bits) return no_such_bit(name, bit, bits);
     return PlacedBit{std::make_unique<CoreRegister>(soc_, i), bit};
   }
   for (SystemField& field : system_fields(soc_.cpu.core())) {
@@ -278,7 +280,8 @@ std::vector<ListedPlace> Places::all() const {
   for (unsigned i = 0; i < debug::registers.size(); ++i) {
     const debug::Register& reg = debug::registers.at(i);
     if (target.has_register(i))
-      list.push_back({std::string(processor) + reg.name, bits_of(reg), "processor"});
+      list.push_back({std::string(processor) + reg.name, bits_of(reg, soc_.cpu.core().profile()),
+                      "processor"});
   }
   for (const SystemField& field : system_fields(soc_.cpu.core()))
     list.push_back({processor + field.name, field.bits, field.unit});

@@ -85,6 +85,11 @@ constexpr WritableField writable_fields[] = {
     {"scb.memfaultena", "scb.shcsr", ppb::SHCSR, 16, 1},
     {"scb.busfaultena", "scb.shcsr", ppb::SHCSR, 17, 1},
     {"scb.usgfaultena", "scb.shcsr", ppb::SHCSR, 18, 1},
+    {"fpu.cp10", "fpu.cpacr", ppb::CPACR, 20, 2},
+    {"fpu.lspact", "fpu.fpccr", ppb::FPCCR, 0, 1},
+    {"fpu.lspen", "fpu.fpccr", ppb::FPCCR, 30, 1},
+    {"fpu.aspen", "fpu.fpccr", ppb::FPCCR, 31, 1},
+    {"fpu.fpcar", "fpu.fpcar", ppb::FPCAR, 3, 29},
 };
 /// Of each region. Bits of RBAR below 5 do not exist.
 struct RegionField {

@@ -27,10 +27,13 @@ struct CpuSettings {
   Settings& all;
   ChoiceField<const armv7m::Profile*> profile{
       all,
-      {{"m3", &armv7m::cortex_m3}, {"m0plus", &armv7m::cortex_m0plus}, {"m4", &armv7m::cortex_m4}},
+      {{"m3", &armv7m::cortex_m3},
+       {"m0plus", &armv7m::cortex_m0plus},
+       {"m4", &armv7m::cortex_m4},
+       {"m4f", &armv7m::cortex_m4f}},
       setting("cpu.profile", SettingKind::choice, "m3",
-              "which processor: m3, the Cortex-M3, m0plus, the Cortex-M0+, or m4, the Cortex-M4 "
-              "without FPU")};
+              "which processor: m3, the Cortex-M3, m0plus, the Cortex-M0+, m4, the Cortex-M4 "
+              "without FPU, or m4f, the Cortex-M4 with it")};
   NumberField quantum_ns{
       all, setting("cpu.quantum_ns", SettingKind::number, "1000000",
                    "how far the processor may run ahead, ns")

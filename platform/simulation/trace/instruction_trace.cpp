@@ -14,6 +14,13 @@ namespace {
 constexpr const char* names[] = {"r0",  "r1",  "r2",   "r3",      "r4",    "r5",     "r6",
                                  "r7",  "r8",  "r9",   "r10",     "r11",   "r12",    "lr",
                                  "msp", "psp", "xpsr", "control", "masks", "basepri"};
+constexpr unsigned first_of_fpu = std::size(names);
+
+std::string name_of(unsigned n) {
+  if (n < first_of_fpu) return names[n];
+  const unsigned single = n - first_of_fpu;
+  return single < armv7m::Fpu::registers ? "s" + std::to_string(single) : "fpscr";
+}
 constexpr uint32_t flags = 0xF80F0000;  // N, Z, C, V, Q and GE of the xPSR
 
 std::string note(uint64_t cycle, double seconds, const std::string& text) {
@@ -38,14 +45,17 @@ InstructionTrace::Registers InstructionTrace::registers_of(const armv7m::Core& c
   r[17] = core.state().control;
   r[18] = core.state().primask | core.state().faultmask << 1U;
   r[19] = core.state().basepri;
+  const armv7m::Fpu& fpu = core.state().fpu;
+  for (unsigned n = 0; n < armv7m::Fpu::registers; ++n) r[first_of_fpu + n] = fpu.s(n);
+  r[register_count - 1] = fpu.status().bits();
   return r;
 }
 
 std::string InstructionTrace::changes(const Registers& now) const {
-  static_assert(std::size(names) == register_count);
+  static_assert(first_of_fpu + fpu_registers == register_count);
   std::string text;
   for (unsigned n = 0; n < register_count; ++n)
-    if (now[n] != before_[n]) text += fmt::format(" {}={:08x}", names[n], now[n]);
+    if (now[n] != before_[n]) text += fmt::format(" {}={:08x}", name_of(n), now[n]);
   return text;
 }
 

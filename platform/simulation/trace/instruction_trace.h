@@ -33,7 +33,8 @@ class InstructionTrace {
   std::optional<Error> finish(const armv7m::Core& core, double seconds);
 
  private:
-  static constexpr unsigned register_count = 20;
+  static constexpr unsigned fpu_registers = armv7m::Fpu::registers + 1;  // and FPSCR
+  static constexpr unsigned register_count = 20 + fpu_registers;
   using Registers = std::array<uint32_t, register_count>;
 
   static Registers registers_of(const armv7m::Core& core);

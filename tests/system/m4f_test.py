@@ -1,0 +1,159 @@
+#!/usr/bin/env python3
+"""The Cortex-M4 with FPU in place of the Cortex-M3 (`-C cpu.profile=m4f`): whole programs, on QEMU's Cortex-M4, too,
+and what else shows that it is another processor.
+"""
+
+import re
+import unittest
+
+import profile_case
+from gdb_test import Packets, Run, gdb
+from harness import CAPSOC, FIRMWARE, Case, output_of
+from profile_case import ask, capsoc
+
+CTEST = {"name": "m4f", "timeout": 600}
+
+CHOSEN = ("-C", "cpu.profile=m4f")
+HELLO = FIRMWARE / "hello_m4f.elf"
+FPU = FIRMWARE / "fpu_m4f.elf"
+CONTEXT = FIRMWARE / "fpu_context_m4f.elf"
+
+
+def on_qemu(program):
+    return output_of(
+        *("qemu-system-arm", "-M", "mps2-an386", "-icount", "shift=5,sleep=off", "-display", "none"),
+        *("-monitor", "none", "-serial", "stdio", "-semihosting-config", "enable=on,target=native"),
+        *("-kernel", program),
+    )
+
+
+class Programs(profile_case.Programs):
+    CHOSEN = CHOSEN
+
+    def test_qemus_cortex_m4_computes_the_same(self):
+        theirs = on_qemu(FPU)
+        hashes = re.findall(r"(?m)[0-9a-f]{8}$", theirs)
+        self.assertEqual(len(hashes), 54, "instructions and short sequences")
+        self.assertGreater(len(set(hashes)), 48, "few of them do the same")
+        self.assertEqual(self.everywhere("fpu_m4f")[0], theirs)
+
+    def test_qemus_cortex_m4_saves_the_same(self):
+        theirs = on_qemu(CONTEXT)
+        self.assertEqual(theirs.count(" differ 0,"), 6, theirs)
+        self.assertIn("MemManage 1, CFSR 00000020, LSPACT 1\ninterrupted checksums that differ: 0\n", theirs)
+        self.assertEqual(self.everywhere("fpu_context_m4f")[0], theirs)
+
+    def test_hello(self):
+        self.assertEqual(self.everywhere("hello_m4f")[0], "hello from capsoc\n")
+
+    def test_the_main_job_learns_what_it_learns_on_the_cortex_m3(self):
+        out, result = self.everywhere("selfcal_m4f")
+        self.assertTrue(result["verdict"]["pass"], out)
+        output_of(CAPSOC, "run", FIRMWARE / "selfcal.elf", "--json", self.folder / "m3.json")
+        self.assertEqual(result["parameters"], self.result("m3.json")["parameters"])
+
+    def test_an_integer_program_takes_the_time_of_the_cortex_m4(self):
+        cpus = []
+        for profile in ("m4", "m4f"):
+            output_of(
+                *(CAPSOC, "run", FIRMWARE / "dsp_m4.elf", "-C", f"cpu.profile={profile}"),
+                *("--json", self.folder / "r.json"),
+            )
+            cpu = self.result()["cpu"]
+            cpus.append((cpu["instructions"], cpu["cycles"]))
+        self.assertEqual(cpus[0], cpus[1])
+
+
+class Differences(Case):
+    """What a user notices."""
+
+    def test_a_program_of_it_is_told_what_the_others_lack(self):
+        for profile, product in (("m3", "Cortex-M3"), ("m4", "Cortex-M4")):
+            done = capsoc("run", FPU, "-C", f"cpu.profile={profile}")
+            self.assertEqual(done.returncode, 5, done.stderr)
+            self.assertIn(
+                f"(of an FPU, which the {product} does not have; build with -mfloat-abi=soft, "
+                "or run it with -C cpu.profile=m4f)",
+                done.stderr.decode(),
+            )
+
+    def test_a_checkpoint_has_the_registers_and_belongs_to_its_processor(self):
+        whole = output_of(CAPSOC, "run", CONTEXT, *CHOSEN, "--json", self.folder / "whole.json")
+        seconds = self.result("whole.json")["time"]["simulated_s"]
+        for number, part in enumerate((0.3, 0.6, 0.9)):
+            saved = self.folder / f"saved{number}"
+            done = capsoc("run", CONTEXT, *CHOSEN, "--save", f"{saved}@{part * seconds:.9f}")
+            self.assertEqual((done.returncode, done.stdout.decode()), (0, whole), done.stderr)
+            refused = capsoc("run", CONTEXT, "-C", "cpu.profile=m4", "--restore", saved)
+            self.check_refused(
+                refused.returncode,
+                refused.stdout,
+                refused.stderr.decode(),
+                "was saved with another cpu.profile (m4f, here m4); give the same as then",
+            )
+            done = capsoc("run", CONTEXT, *CHOSEN, "--restore", saved, "--json", self.folder / "rest.json")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertTrue(whole.endswith(done.stdout.decode()))
+            self.assertEqual(self.result("rest.json")["cpu"]["cycles"], self.result("whole.json")["cpu"]["cycles"])
+
+    def test_the_instruction_trace_shows_its_registers(self):
+        trace = self.folder / "trace"
+        done = capsoc("run", FPU, *CHOSEN, "--simlimit", 0.003, "--trace-instructions", trace)
+        self.assertEqual(done.returncode, 124, done.stderr)
+        text = trace.read_text()
+        self.assertRegex(text, r"vmov s1, r1 .* s1=80000000")
+        self.assertRegex(text, r"vmsr fpscr, r\d+ .* control=00000004")
+
+    def test_a_register_of_it_can_be_injected_into(self):
+        for place in ("cpu.s3[30]", "cpu.fpscr[22]", "cpu.fpu.lspact[0]"):
+            done = capsoc("run", HELLO, *CHOSEN, "--inject", f"flip {place} at 0.0001s")
+            self.assertNotEqual(done.returncode, 2, done.stderr)
+        refused = capsoc("run", HELLO, "-C", "cpu.profile=m4", "--inject", "flip cpu.s3[30] at 0.0001s")
+        self.check_refused(refused.returncode, refused.stdout, refused.stderr.decode(), "s3")
+
+
+class Session(Case):
+    """capsoc serve."""
+
+    def test_registers_are_those_that_it_has(self):
+        settings = {"firmware.elf": str(HELLO), "cpu.profile": "m4f"}
+        _, listed, value, about, _, _, read = ask(
+            ("simulation.construct", {"settings": settings}),
+            ("register.list", {"simulation": 1}),
+            ("register.read", {"simulation": 1, "name": "FPU.MVFR0"}),
+            ("debugger.about", {"simulation": 1}),
+            ("processor.write", {"simulation": 1, "register": "s31", "value": 0x3F800000}),
+            ("processor.write", {"simulation": 1, "register": "fpscr", "value": 0xFFFFFFFF}),
+            ("processor.read", {"simulation": 1}),
+        )
+        peripherals = {each["name"]: [reg["name"] for reg in each["registers"]] for each in listed["peripherals"]}
+        self.assertIn("CPACR", peripherals["SCB"])
+        self.assertEqual(peripherals["FPU"], ["FPCCR", "FPCAR", "FPDSCR", "MVFR0", "MVFR1"])
+        self.assertEqual(value["value"], 0x10110021)
+        self.assertEqual(about["processor"], "cortex-m4f")
+        self.assertEqual(read["registers"]["s31"], 0x3F800000)
+        self.assertEqual(read["registers"]["fpscr"], 0xF7C0009F, "the bits that there are")
+
+
+class Debugger(Case):
+    """GDB, with and without a history."""
+
+    def test_gdb_reads_and_writes_its_registers(self):
+        for options in (CHOSEN, (*CHOSEN, "--gdb-history")):
+            with Run(HELLO, "--halt", *options) as run, Packets(run) as packets:
+                names = re.findall(r'reg name="(\w+)"', packets.ask("qXfer:features:read:target.xml:0,4000"))
+                self.assertEqual(names[-17:], [*(f"d{n}" for n in range(16)), "fpscr"], options)
+                self.assertIn('name="cortex-m4f"', packets.ask("qXfer:threads:read::0,4000"))
+            with Run(HELLO, "--halt", *options) as run:
+                commands = (
+                    "set $s0 = 1.5\nset $s1 = -2\nset $fpscr = 0x400000\n"
+                    "print $s0\nprint $s1\nprint /x $fpscr\nprint /x (long long)$d0\ninfo float\ndetach\n"
+                )
+                out = gdb(run, commands, HELLO)
+                self.assertIn("$1 = 1.5\n", out)
+                self.assertIn("$2 = -2\n", out)
+                self.assertIn("$3 = 0x400000\n", out)
+
+
+if __name__ == "__main__":
+    unittest.main()
