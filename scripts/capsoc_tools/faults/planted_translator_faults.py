@@ -37,7 +37,7 @@ TARGET = "armv7m_test"
 FILTER = (
     "*Translator*:Borders.*:Literals.*:StackPointer.*:OverTheEnd*:Flags.*:Limits.*:Branches.*:Unaligned.*:"
     "Operands.*:Windows.*:Rooms.*:Instructions.*:*VectorWrites*:VectorTable.*:"
-    "BesideCode.*:JumpCache.*:ProcessStack.*"
+    "BesideCode.*:JumpCache.*:ProcessStack.*:*SinglePrecision*/0:*SinglePrecisionModes*"
 )
 MOST_SECONDS = 120  # of the tests, which take ten
 
