@@ -437,6 +437,11 @@ uint32_t written_by(const DecodedOp& op) {
     if (is(op, kind::multiple_load)) set |= op.list.bits;
     return set;
   }
+  if (is(op, kind::fp_transfer)) return op.writeback ? bit(op.rn) : 0;
+  if (op.operation == Operation::vmov_pair_to_core) return bit(op.rd) | bit(op.ra);
+  // VMRS with R15 writes the flags.
+  const bool to_core = op.operation == Operation::vmov_to_core || op.operation == Operation::vmrs;
+  if (is(op, kind::fp_extension)) return to_core && op.rd != 15 ? bit(op.rd) : 0;
   if (op.operation == Operation::bl || op.operation == Operation::blx) return bit(14);
   if (is(op, kind::compare | kind::any_branch | kind::none)) return 0;
   if (is(op, kind::system)) return op.operation == Operation::mrs ? bit(op.rd) : 0;
