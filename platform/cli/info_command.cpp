@@ -8,6 +8,7 @@
 #include "host/console.h"
 #include "host/files.h"
 #include "results/results.h"
+#include "session/run_settings.h"
 #include "soc/board_map.h"
 #include "soc/board_registers.h"
 
@@ -50,10 +51,18 @@ int info_command() {
   return run::exit_code::pass;
 }
 
-int write_svd(const std::string& file) {
+int write_svd(const std::string& file, const std::string& profile) {
+  Settings all;
+  const run::CpuSettings cpu{all};
+  if (!profile.empty())
+    if (const auto error =
+            all.set("cpu.profile", profile, SettingSource::command_line, "--profile"))
+      return refuse(error->text);
   // SystemC prints its own notes on stdout.
   sc_core::sc_report_handler::set_actions(sc_core::SC_INFO, sc_core::SC_DO_NOTHING);
-  const soc::Soc soc("soc", {});
+  soc::Config config;
+  config.processor = cpu.profile();
+  const soc::Soc soc("soc", config);
   if (const auto error = host::write_whole(file, soc::board_svd(soc))) return refuse(error->text);
   return run::exit_code::pass;
 }
@@ -62,10 +71,15 @@ int write_svd(const std::string& file) {
 
 void add_info(CLI::App& app, int& code) {
   CLI::App* const info = app.add_subcommand("info", "Versions and the memory map");
-  auto file = std::make_shared<std::string>();
+  auto file = std::make_shared<std::string>(), profile = std::make_shared<std::string>();
   info->add_option("--svd", *file, "Write the registers of the whole board there (CMSIS-SVD)")
       ->type_name("FILE");
-  info->callback([file, &code] { code = file->empty() ? info_command() : write_svd(*file); });
+  info->add_option("--profile", *profile, "Of another processor than the Cortex-M3, as cpu.profile")
+      ->type_name("NAME")
+      ->needs("--svd");
+  info->callback([file, profile, &code] {
+    code = file->empty() ? info_command() : write_svd(*file, *profile);
+  });
 }
 
 }  // namespace capsoc::cli
