@@ -165,10 +165,8 @@ std::optional<BusAccess::Result> BusAccess::stopped(tlm::tlm_command command, ui
   return result;
 }
 
-BusAccess::Result BusAccess::access(tlm::tlm_command command, uint32_t address, unsigned size,
-                                    uint32_t& value, AccessKind kind, bool may_write_early) {
-  if (gate_ != nullptr)
-    if (const auto result = stopped(command, address, size, value)) return *result;
+inline BusAccess::Result BusAccess::pass(tlm::tlm_command command, uint32_t address, unsigned size,
+                                         uint32_t& value, AccessKind kind, bool may_write_early) {
   uint8_t bytes[4] = {};
   if (command == tlm::TLM_WRITE_COMMAND)
     for (unsigned i = 0; i < size; ++i) bytes[i] = static_cast<uint8_t>(value >> (8 * i));
@@ -178,7 +176,7 @@ BusAccess::Result BusAccess::access(tlm::tlm_command command, uint32_t address, 
   payload_.set_streaming_width(size);
   Result result;
   result.wait_cycles = transport(address, kind, may_write_early);
-  result.steady = steady_.steady && gate_ == nullptr;
+  result.steady = steady_.steady;
   // A steady read that was made ahead has done nothing.
   if (!early_.early || !result.steady) horizon_.look_ahead();
   result.ok = payload_.is_response_ok();
@@ -187,10 +185,19 @@ BusAccess::Result BusAccess::access(tlm::tlm_command command, uint32_t address, 
 
   value = 0;
   for (unsigned i = 0; i < size; ++i) value |= static_cast<uint32_t>(bytes[i]) << (8 * i);
-  if (gate_ != nullptr && command == tlm::TLM_READ_COMMAND)
-    gate_->returned({address, size, false}, value);
   if (kind == AccessKind::load) reads_ahead_.set(address, size, steady_.ahead);
   if (kind == AccessKind::store) early_writes_.set(address, size, early_.taken);
+  return result;
+}
+
+BusAccess::Result BusAccess::access(tlm::tlm_command command, uint32_t address, unsigned size,
+                                    uint32_t& value, AccessKind kind, bool may_write_early) {
+  if (__builtin_expect(gate_ == nullptr, 1))
+    return pass(command, address, size, value, kind, may_write_early);
+  if (const auto result = stopped(command, address, size, value)) return *result;
+  Result result = pass(command, address, size, value, kind, false);
+  result.steady = false;
+  if (command == tlm::TLM_READ_COMMAND) gate_->returned({address, size, false}, value);
   return result;
 }
 

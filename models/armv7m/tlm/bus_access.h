@@ -96,6 +96,8 @@ class BusAccess {
   bool may_be_ahead(uint32_t address, AccessKind kind, bool may_write_early) const;
   std::optional<Result> stopped(tlm::tlm_command command, uint32_t address, unsigned size,
                                 uint32_t& value);
+  Result pass(tlm::tlm_command command, uint32_t address, unsigned size, uint32_t& value,
+              AccessKind kind, bool may_write_early);
   unsigned transport(uint32_t address, AccessKind kind, bool may_write_early);
   unsigned send(uint32_t address, AccessKind kind, bool ahead);
   bool map_if_memory(uint32_t address, AccessKind kind);
