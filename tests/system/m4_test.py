@@ -51,6 +51,9 @@ class Programs(profile_case.Programs):
         self.assertEqual(m4["instructions"], m3["instructions"])
         self.assertLess(m4["cycles"], m3["cycles"])
 
+    def test_a_checkpoint_has_ge_and_belongs_to_its_processor(self):
+        self.check_checkpoints(DSP, (0.25, 0.5, 0.75), other="m3")
+
 
 class Differences(Case):
     """What a user notices."""
@@ -82,25 +85,6 @@ class Differences(Case):
             done.stderr.decode(),
             "cpu.profile cannot be 'm7'; choose one of m3, m0plus, m4, m4f",
         )
-
-    def test_a_checkpoint_has_ge_and_belongs_to_its_processor(self):
-        whole = output_of(CAPSOC, "run", DSP, *CHOSEN, "--json", self.folder / "whole.json")
-        seconds = self.result("whole.json")["time"]["simulated_s"]
-        for number, part in enumerate((0.25, 0.5, 0.75)):
-            saved = self.folder / f"saved{number}"
-            done = capsoc("run", DSP, *CHOSEN, "--save", f"{saved}@{part * seconds:.9f}")
-            self.assertEqual((done.returncode, done.stdout.decode()), (0, whole), done.stderr)
-            refused = capsoc("run", DSP, "--restore", saved)
-            self.check_refused(
-                refused.returncode,
-                refused.stdout,
-                refused.stderr.decode(),
-                "was saved with another cpu.profile (m4, here m3); give the same as then",
-            )
-            done = capsoc("run", DSP, *CHOSEN, "--restore", saved, "--json", self.folder / "rest.json")
-            self.assertEqual(done.returncode, 0, done.stderr)
-            self.assertTrue(whole.endswith(done.stdout.decode()))
-            self.assertEqual(self.result("rest.json")["cpu"]["cycles"], self.result("whole.json")["cpu"]["cycles"])
 
     def test_the_instruction_trace_shows_ge(self):
         trace = self.folder / "trace"

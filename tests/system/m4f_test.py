@@ -63,6 +63,9 @@ class Programs(profile_case.Programs):
             cpus.append((cpu["instructions"], cpu["cycles"]))
         self.assertEqual(cpus[0], cpus[1])
 
+    def test_a_checkpoint_has_the_registers_and_belongs_to_its_processor(self):
+        self.check_checkpoints(CONTEXT, (0.3, 0.6, 0.9), other="m4")
+
 
 class Differences(Case):
     """What a user notices."""
@@ -76,25 +79,6 @@ class Differences(Case):
                 "or run it with -C cpu.profile=m4f)",
                 done.stderr.decode(),
             )
-
-    def test_a_checkpoint_has_the_registers_and_belongs_to_its_processor(self):
-        whole = output_of(CAPSOC, "run", CONTEXT, *CHOSEN, "--json", self.folder / "whole.json")
-        seconds = self.result("whole.json")["time"]["simulated_s"]
-        for number, part in enumerate((0.3, 0.6, 0.9)):
-            saved = self.folder / f"saved{number}"
-            done = capsoc("run", CONTEXT, *CHOSEN, "--save", f"{saved}@{part * seconds:.9f}")
-            self.assertEqual((done.returncode, done.stdout.decode()), (0, whole), done.stderr)
-            refused = capsoc("run", CONTEXT, "-C", "cpu.profile=m4", "--restore", saved)
-            self.check_refused(
-                refused.returncode,
-                refused.stdout,
-                refused.stderr.decode(),
-                "was saved with another cpu.profile (m4f, here m4); give the same as then",
-            )
-            done = capsoc("run", CONTEXT, *CHOSEN, "--restore", saved, "--json", self.folder / "rest.json")
-            self.assertEqual(done.returncode, 0, done.stderr)
-            self.assertTrue(whole.endswith(done.stdout.decode()))
-            self.assertEqual(self.result("rest.json")["cpu"]["cycles"], self.result("whole.json")["cpu"]["cycles"])
 
     def test_the_instruction_trace_shows_its_registers(self):
         trace = self.folder / "trace"

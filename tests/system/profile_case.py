@@ -48,3 +48,24 @@ class Programs(Case):
         for other in seen[1:]:
             self.assertEqual(other, seen[0])
         return seen[0]
+
+    def check_checkpoints(self, program, parts, other):
+        """Saved at parts of the run, which they continue to its end; the profile `other` refuses them."""
+        chosen = self.CHOSEN[1].split("=")[1]
+        whole = output_of(CAPSOC, "run", program, *self.CHOSEN, "--json", self.folder / "whole.json")
+        seconds = self.result("whole.json")["time"]["simulated_s"]
+        for number, part in enumerate(parts):
+            saved = self.folder / f"saved{number}"
+            done = capsoc("run", program, *self.CHOSEN, "--save", f"{saved}@{part * seconds:.9f}")
+            self.assertEqual((done.returncode, done.stdout.decode()), (0, whole), done.stderr)
+            refused = capsoc("run", program, "-C", f"cpu.profile={other}", "--restore", saved)
+            self.check_refused(
+                refused.returncode,
+                refused.stdout,
+                refused.stderr.decode(),
+                f"was saved with another cpu.profile ({chosen}, here {other}); give the same as then",
+            )
+            done = capsoc("run", program, *self.CHOSEN, "--restore", saved, "--json", self.folder / "rest.json")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertTrue(whole.endswith(done.stdout.decode()))
+            self.assertEqual(self.result("rest.json")["cpu"]["cycles"], self.result("whole.json")["cpu"]["cycles"])
