@@ -544,15 +544,41 @@ class Disks(CampaignCase):
             ("text", "no store of a campaign"),
             ("foreign", "a database of another program"),
             ("newer", "a store of a newer capsoc (version 99"),
-            ("empty", "another program"),
+            ("empty", "holds no campaign yet"),
             ("folder", "no regular file"),
             ("none", "there is no such store"),
         ):
             with self.subTest(name):
                 self.refuse(expected, "report", f"{name}.sqlite")
-                self.refuse(expected if name != "empty" else "holds no campaign", "resume", f"{name}.sqlite")
+                self.refuse(expected, "resume", f"{name}.sqlite")
                 if name not in ("empty", "none"):
                     self.refuse(expected, "run", "d.toml", "--store", f"{name}.sqlite")
+
+    def test_what_a_campaign_leaves_that_was_killed_as_it_began(self):
+        self.describe(DRAWN.format(runs=2))
+        self.campaign("run", "d.toml")
+        self.path("file.sqlite").touch()
+        log = sqlite3.connect(self.path("log.sqlite"))
+        log.execute("PRAGMA journal_mode = WAL")
+        log.close()
+        self.assertGreater(self.path("log.sqlite").stat().st_size, 0)
+        tables = sqlite3.connect(self.path("tables.sqlite"))
+        with sqlite3.connect(self.path("d.sqlite")) as store:
+            store.backup(tables)
+        store.close()
+        for table in ("about", "plan", "runs"):
+            tables.execute(f"DELETE FROM {table}")
+        tables.commit()
+        tables.close()
+        unborn = ("file.sqlite", "log.sqlite", "tables.sqlite")
+        for name in unborn:
+            with self.subTest(name):
+                self.refuse("holds no campaign yet", "report", name)
+        _, said = self.campaign("merge", "all.sqlite", *unborn[:2], "d.sqlite", unborn[2])
+        self.assertIn("2 runs taken into all.sqlite", said)
+        for name in unborn:
+            self.assertIn(f"{name}: holds no campaign yet, and no runs", said)
+        self.assertEqual(rows_of(self.path("all.sqlite")), rows_of(self.path("d.sqlite")))
 
     def test_damage_is_a_sentence(self):
         self.describe(DRAWN.format(runs=12))

@@ -187,7 +187,10 @@ Result<uint64_t> merge(Store& into, const std::vector<std::string>& stores) {
     if (!other) return Error{other.error()};
     const auto theirs = other.value()->plan();
     if (!theirs) return Error{theirs.error()};
-    if (!theirs.value()) return Error{path + ": holds no campaign yet; leave it out"};
+    if (!theirs.value()) {
+      host::say("{}: holds no campaign yet, and no runs\n", path);
+      continue;
+    }
     auto ours = into.plan();
     if (!ours) return Error{ours.error()};
     if (!ours.value()) {

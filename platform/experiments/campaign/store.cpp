@@ -150,9 +150,11 @@ std::optional<Error> Store::prepare(Database::Mode mode) {
   const auto version = d.number("PRAGMA user_version");
   if (!id) return Error{id.error()};
   if (!version) return Error{version.error()};
-  if (tables.value() > 0 || mode == Database::Mode::read) {
-    if (id.value() != application)
-      return Error{path() + ": is a database of another program; name another file"};
+  // A campaign that was killed as it began leaves a file without tables.
+  begun_ = tables.value() > 0;
+  if (id.value() != application && (begun_ || id.value() != 0))
+    return Error{path() + ": is a database of another program; name another file"};
+  if (begun_) {
     if (version.value() > store_version)
       return Error{
           fmt::format("{}: is a store of a newer capsoc (version {}, this one knows {}); "
@@ -170,16 +172,19 @@ std::optional<Error> Store::prepare(Database::Mode mode) {
   if (auto error =
           d.execute(fmt::format("PRAGMA journal_mode = {}; PRAGMA synchronous = FULL", journal)))
     return error;
-  if (tables.value() > 0) return std::nullopt;
+  if (begun_) return std::nullopt;
   auto transaction = Transaction::begin(d);
   if (!transaction) return Error{transaction.error()};
   if (auto error = d.execute(fmt::format("{}; PRAGMA application_id = {}; PRAGMA user_version = {}",
                                          schema, application, store_version)))
     return error;
-  return transaction.value().commit();
+  if (auto error = transaction.value().commit()) return error;
+  begun_ = true;
+  return std::nullopt;
 }
 
 Result<std::optional<StoredPlan>> Store::plan() const {
+  if (!begun_) return std::optional<StoredPlan>();
   auto about = database_->prepare("SELECT name, value FROM about");
   if (!about) return Error{about.error()};
   StoredPlan plan;

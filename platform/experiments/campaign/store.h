@@ -56,7 +56,7 @@ class Store {
   Store& operator=(const Store&) = delete;
 
   const std::string& path() const { return path_; }
-  /// Nothing in a new one.
+  /// Nothing in a new one, and in what a campaign leaves that was killed as it began.
   Result<std::optional<StoredPlan>> plan() const;
   /// The plan in place of the one there; rows stay.
   std::optional<Error> set_plan(const Plan& plan);
@@ -84,6 +84,7 @@ class Store {
 
   std::string path_;
   std::unique_ptr<StoreCopy> copy_;  // what database_ is open on, if it is not the store itself
+  bool begun_ = false;               // it has its tables
   bool shares_memory_ = true;
   int lock_ = -1;  // closed after the database: closing any descriptor drops SQLite's own locks
   std::unique_ptr<Database> database_;
