@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 
 #include "armv7m/event.h"
@@ -24,6 +26,7 @@ class CoreContext {
   CoreContext& operator=(const CoreContext&) = delete;
 
   State state;
+  std::array<std::byte, host_context_gap(sizeof(State))> gap{};
   HostContext host_context;  // translated code addresses it relative to the state
   Requests requests;
   Event event;
