@@ -86,3 +86,8 @@ foreach(kernel list_search matrix state_machine crc sort strings sha256 aes md5 
                exclusives)
   capsoc_firmware(bench_${kernel} OPTIMISE -O2 SOURCES bench/${kernel}.c OBJECTS runtime-O2)
 endforeach()
+# The same with the FPU of a Cortex-M4 (`capsoc bench cpu --profile m4f`).
+capsoc_firmware_objects(runtime_m4f-O2 OPTIMISE -O2 PROCESSOR cortex-m4f SOURCES ${runtime})
+foreach(kernel float_matrix float_filter float_control)
+  capsoc_firmware(bench_${kernel}_m4f OPTIMISE -O2 SOURCES bench/${kernel}.c OBJECTS runtime_m4f-O2 PROCESSOR cortex-m4f)
+endforeach()

@@ -1,5 +1,5 @@
-// A kernel for `capsoc bench cpu`: integer work on a processor alone, a checksum on UART0 at the
-// end. The same ELF runs on QEMU's mps2-an385, which must print the same line.
+// A kernel for `capsoc bench cpu`: work of a processor alone, a checksum on UART0 at the end. The
+// same ELF runs on QEMU's mps2-an385 (mps2-an386 for a Cortex-M4), which must print the same line.
 #ifndef CAPSOC_BENCH_H
 #define CAPSOC_BENCH_H
 
@@ -14,6 +14,14 @@ static inline uint32_t next_random(uint32_t* state) {
   x ^= x >> 17;
   x ^= x << 5;
   return *state = x;
+}
+
+static inline uint32_t bits_of(float x) {
+  union {
+    float number;
+    uint32_t bits;
+  } both = {x};
+  return both.bits;
 }
 
 // Prints "<name> <checksum in hexadecimal>"; the exit status of main.

@@ -20,10 +20,13 @@ class FloatingPoint {
   /// that is due is made, and a context begins where there is none. fault: the instruction has no
   /// effect.
   Access begin(const Step& op) {
+    return __builtin_expect(is_open(), 1) ? Access::ok : begin_slowly(op);
+  }
+  /// True where begin() has nothing to do. Instructions of the extension leave it so.
+  bool is_open() const {
     const State& state = context_.state;
-    const bool plain = state.fpu.enabled(state.privileged()) && !state.fpu.save_is_due() &&
-                       (state.has_fp_context() || !state.fpu.counts_contexts());
-    return __builtin_expect(plain, 1) ? Access::ok : begin_slowly(op);
+    return state.fpu.enabled(state.privileged()) && !state.fpu.save_is_due() &&
+           (state.has_fp_context() || !state.fpu.counts_contexts());
   }
 
   // Of exceptions, with the address of S0 in a frame.

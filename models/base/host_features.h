@@ -20,6 +20,9 @@ constexpr bool host_is_x86_64 = false;
 inline bool host_has_bit_manipulation() {
   return CPU_FEATURE_ACTIVE(BMI1) && CPU_FEATURE_ACTIVE(BMI2);
 }
+inline bool host_has_fused_multiply_add() {
+  return CPU_FEATURE_ACTIVE(FMA);
+}
 inline bool host_has_avx2() {
   return CPU_FEATURE_ACTIVE(AVX2);
 }
@@ -30,6 +33,9 @@ inline bool host_has_avx512() {
 inline bool host_has_bit_manipulation() {
   return __builtin_cpu_supports("bmi") != 0 && __builtin_cpu_supports("bmi2") != 0;
 }
+inline bool host_has_fused_multiply_add() {
+  return __builtin_cpu_supports("fma") != 0;
+}
 inline bool host_has_avx2() {
   return __builtin_cpu_supports("avx2") != 0;
 }
@@ -38,6 +44,9 @@ inline bool host_has_avx512() {
 }
 #else
 inline bool host_has_bit_manipulation() {
+  return false;
+}
+inline bool host_has_fused_multiply_add() {
   return false;
 }
 inline bool host_has_avx2() {

@@ -1,4 +1,6 @@
 // capsoc bench cpu: the processor's speed and QEMU's.
+#include <fmt/format.h>
+
 #include <filesystem>
 #include <memory>
 
@@ -14,8 +16,12 @@
 namespace capsoc::cli {
 namespace {
 
-std::vector<std::string> kernels() {
+/// Those that a profile has a use for.
+std::vector<std::string> kernels(const std::string& profile) {
   std::vector<std::string> files;
+  if (profile == "m4f")
+    for (const char* kernel : {"float_matrix", "float_filter", "float_control"})
+      files.push_back(host::data_path(fmt::format("firmware/bench_{}_m4f.elf", kernel)));
   for (const char* kernel :
        {"list_search", "matrix", "state_machine", "crc", "sort", "strings", "sha256", "aes", "md5",
         "soft_float", "long_division", "function_pointers", "copy", "interpreter", "tasks",
@@ -32,10 +38,14 @@ void add_bench(CLI::App& app, int& code) {
   auto settings = std::make_shared<bench::CpuBench>();
   CLI::App* cpu = bench->add_subcommand(
       "cpu",
-      "Integer kernels: million instructions a second of processor time, cycles per instruction, "
+      "Kernels: million instructions a second of processor time, cycles per instruction, "
       "and the ratio to qemu-system-arm on the same ELF, plain and with -icount");
   cpu->add_option("elf", settings->firmware, "Programs that end by themselves (default: kernels)")
       ->type_name("ELF");
+  cpu->add_option("--profile", settings->profile,
+                  "Of the processor, as cpu.profile (m4f: kernels with its FPU, too)")
+      ->check(CLI::IsMember({"m3", "m4", "m4f"}))
+      ->type_name("PROFILE");
   cpu->add_option("--repeat", settings->repeat, "The best of N runs counts")
       ->transform(whole_number(1, 100))
       ->type_name("N");
@@ -54,7 +64,7 @@ void add_bench(CLI::App& app, int& code) {
       return;
     }
     settings->program = host::program_path();
-    if (settings->firmware.empty()) settings->firmware = kernels();
+    if (settings->firmware.empty()) settings->firmware = kernels(settings->profile);
     for (const std::string& program : settings->firmware) {
       if (std::error_code ignored; !std::filesystem::exists(program, ignored)) {
         code = refuse(program +

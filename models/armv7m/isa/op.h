@@ -214,6 +214,11 @@ constexpr unsigned count(const DecodedOp& op) {
   const unsigned words = op.encoding & 0xFF;
   return is_double(op) ? words & ~1u : words;
 }
+/// How many single-precision registers a load or store transfers.
+constexpr unsigned transferred(const DecodedOp& op) {
+  if (is(op, kind::fp_multiple)) return count(op);
+  return is_double(op) ? 2 : 1;
+}
 /// Of VMOV between a core register and a single-precision one, or half of a double-precision one.
 constexpr unsigned moved(const DecodedOp& op) {
   return is_double(op) ? (op.encoding >> 16 & 15) << 1 | (op.encoding >> 21 & 1) : n(op);

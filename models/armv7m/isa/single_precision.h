@@ -16,6 +16,8 @@ class Fpscr {
   static constexpr uint32_t nzcv = 0xF0000000;
   /// AHP, DN, FZ and RMode: the part that FPDSCR has, too.
   static constexpr uint32_t control = 0x07C00000;
+  /// RMode and FZ: where they are zero, results are rounded to nearest and nothing is flushed.
+  static constexpr uint32_t modes = 0x01C00000;
   static constexpr uint32_t implemented = nzcv | control | exceptions;
 
   enum class Rounding : uint8_t { nearest, plus, minus, zero };

@@ -32,6 +32,8 @@ class Fpu {
 
   uint32_t s(unsigned n) const { return s_[n]; }
   void set_s(unsigned n, uint32_t value) { s_[n] = value; }
+  /// Where they are, one after the other.
+  const uint32_t* singles() const { return s_.data(); }
   Fpscr& status() { return fpscr_; }
   const Fpscr& status() const { return fpscr_; }
 

@@ -86,10 +86,10 @@ std::vector<Run> best_of(unsigned repeat, const std::vector<std::vector<std::str
   return best;
 }
 
-std::vector<std::string> qemu(const std::string& elf, bool icount) {
+std::vector<std::string> qemu(const CpuBench& bench, const std::string& elf, bool icount) {
   std::vector<std::string> command = {"qemu-system-arm",
                                       "-M",
-                                      "mps2-an385",
+                                      bench.profile == "m3" ? "mps2-an385" : "mps2-an386",
                                       "-display",
                                       "none",
                                       "-monitor",
@@ -212,13 +212,21 @@ Line measure(const CpuBench& bench, const std::string& elf, const fs::path& json
   Line line;
   line.name = fs::path(elf).stem().string();
   const auto here = [&](const char* executor) {
-    return std::vector<std::string>{bench.program,    "run", elf,      "--quantum",
-                                    bench.quantum_ns, "-C",  executor, "--json",
+    return std::vector<std::string>{bench.program,
+                                    "run",
+                                    elf,
+                                    "--quantum",
+                                    bench.quantum_ns,
+                                    "-C",
+                                    executor,
+                                    "-C",
+                                    "cpu.profile=" + bench.profile,
+                                    "--json",
                                     json.string()};
   };
   const std::vector<Run> runs = best_of(bench.repeat,
-                                        {here("cpu.executor=blocks"), qemu(elf, false),
-                                         qemu(elf, true), here("cpu.executor=translator")},
+                                        {here("cpu.executor=blocks"), qemu(bench, elf, false),
+                                         qemu(bench, elf, true), here("cpu.executor=translator")},
                                         text);
   const Run &ours = runs[0], &translated = runs[3];
   const nlohmann::json result =

@@ -12,6 +12,7 @@ namespace capsoc::bench {
 struct CpuBench {
   std::string program;                ///< capsoc itself, which runs each kernel in a process
   std::vector<std::string> firmware;  ///< ELF files
+  std::string profile = "m3";         ///< of the processor: m3, m4 or m4f, which QEMU has boards of
   unsigned repeat = 3;                ///< runs, of which the best counts
   std::string quantum_ns = "1000000";
   double least_ratio = 0;  ///< of QEMU with -icount; 0: no requirement

@@ -22,12 +22,14 @@ BlockCompiler::BlockCompiler(Machine& machine, HostContext& context, CodeBuffer&
       edges_(machine, context, plan_, code_, registers_, flags_),
       memory_(machine, context, plan_, code_, registers_, values_, edges_),
       transfers_(machine, context, plan_, code_, registers_, flags_, edges_, memory_),
-      data_(machine.state, plan_, code_, registers_, flags_, edges_) {}
+      data_(machine.state, plan_, code_, registers_, flags_, edges_),
+      calls_(machine, context, code_, registers_),
+      floating_(machine, context, code_, registers_, flags_, edges_, memory_, calls_) {}
 
 void BlockCompiler::forget() {
   edges_.forget();
   flags_.forget();
-  called_.clear();
+  calls_.forget();
   largest_bound_ = 0;
 }
 
@@ -38,6 +40,7 @@ void BlockCompiler::begin(const Step* head, CodePage& page) {
   flags_.begin_block();
   edges_.begin();
   memory_.begin();
+  floating_.begin();
 }
 
 /// The step that is written from here on.
@@ -86,7 +89,9 @@ void BlockCompiler::emit_operation(const Step& step) {
   } else if (is(step, kind::transfer)) {
     transfers_.emit_transfer(step);
   } else if (is(step, kind::dsp_extension)) {
-    emit_call(step);
+    calls_.emit(step);
+  } else if (is(step, kind::fp_extension)) {
+    floating_.emit(step);
   } else if (is(step, kind::data_processing)) {
     data_.emit_data(step);
   } else if (step.operation == Operation::isb) {
@@ -96,24 +101,6 @@ void BlockCompiler::emit_operation(const Step& step) {
   } else {
     flags_.keep_host_flags();  // NOP, IT, barriers
   }
-}
-
-/// Leaves a step that can neither fault nor leave the block to its executor in C++. It finds its
-/// operands in the state, where the registers are that the call may change, too. The code holds no
-/// address, so that it is the same in every run.
-void BlockCompiler::emit_call(const Step& step) {
-  const auto place = static_cast<int32_t>(called_.size() * sizeof(CalledStep));
-  called_.push_back({step.body->one, &step});
-  context_.called = called_.data();
-  const uint32_t lost = RegisterMap::changed_by_calls();
-  registers_.store(lost | 1u << step.rn | 1u << step.rm | 1u << step.ra | 1u << step.rd);
-  a_.mov(x86::rax, code_.context(&context_.called));
-  a_.lea(x86::rdi, code_.context(&machine_));
-  a_.mov(x86::rsi, x86::ptr(x86::rax, place + static_cast<int32_t>(offsetof(CalledStep, step))));
-  a_.sub(x86::rsp, 8);  // calls want a stack of 16-byte units
-  a_.call(x86::ptr(x86::rax, place, 8));
-  a_.add(x86::rsp, 8);
-  registers_.load(lost | written_by(step));
 }
 
 /// In a handler, which is privileged and has MSP in use; elsewhere they are left to C++. After MSR
@@ -153,6 +140,7 @@ const uint8_t* BlockCompiler::emit(const Step* head, CodePage& page) {
   if (edges_.open()) return nullptr;
   edges_.emit_taken();
   memory_.emit_slow_ways();
+  floating_.emit_slow_ways();
   edges_.emit_misses();
   edges_.emit_exits();
   code_.embed_constants();

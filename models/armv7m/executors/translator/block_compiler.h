@@ -11,10 +11,12 @@
 #include "armv7m/executors/translator/code_buffer.h"
 #include "armv7m/executors/translator/data_operations.h"
 #include "armv7m/executors/translator/flag_tracker.h"
+#include "armv7m/executors/translator/floating_operations.h"
 #include "armv7m/executors/translator/host_code.h"
 #include "armv7m/executors/translator/known_values.h"
 #include "armv7m/executors/translator/memory_paths.h"
 #include "armv7m/executors/translator/register_map.h"
+#include "armv7m/executors/translator/step_calls.h"
 #include "armv7m/executors/translator/transfers.h"
 
 namespace capsoc::armv7m {
@@ -25,8 +27,8 @@ class Machine;
 /// writes a step.
 ///
 /// Whatever the code does not do itself it leaves to C++, by leaving with the number of a
-/// BlockExit. It calls nothing but the executors of the DSP extension, which touch registers, Q and
-/// GE alone.
+/// BlockExit. It calls nothing but executors of the DSP and the floating-point extension, which
+/// touch registers and their flags alone.
 class BlockCompiler {
  public:
   /// Nothing is owned; `context` lies near the machine's state (HostCode).
@@ -62,7 +64,6 @@ class BlockCompiler {
   void emit_steps();
   void emit_step(const Step& step);
   void emit_operation(const Step& step);
-  void emit_call(const Step& step);
   void emit_stack_pointer(const Step& step);
   void go_to(std::size_t i);
 
@@ -90,7 +91,8 @@ class BlockCompiler {
   MemoryPaths memory_;
   Transfers transfers_;
   DataOperations data_;
-  std::vector<CalledStep> called_;
+  StepCalls calls_;
+  FloatingOperations floating_;
   uint32_t largest_bound_ = 0;
 };
 

@@ -15,6 +15,18 @@ bool stands_alone(const Step& step) {
   return step.condition == condition_always && step.it_before == 0 && step.it_after == 0;
 }
 
+bool is_translated_fp(const Step& step) {
+  if (step.rd == 15) return step.operation != Operation::vmrs || step.condition == condition_always;
+  if (is(step, kind::fp_transfer)) {
+    const unsigned count = fp_operand::transferred(step);
+    const bool from_pc = step.rn == 15 && step.addressing != Addressing::literal;
+    return !from_pc && count != 0 && fp_operand::first(step) + count <= fp_operand::registers;
+  }
+  const bool moves_two = step.operation == Operation::vmov_pair_to_core ||
+                         step.operation == Operation::vmov_pair_from_core;
+  return !moves_two || fp_operand::pair(step) + 1 < fp_operand::registers;
+}
+
 }  // namespace
 
 bool writes_sp(const Step& step) {
@@ -63,6 +75,7 @@ bool is_translated(const Step& step) {
     default:
       break;
   }
+  if (is(step, kind::fp_extension)) return is_translated_fp(step);
   if (step.addressing == Addressing::unprivileged) return false;
   if (is(step, kind::multiple)) return step.list.bits != 0 && !step.list.has(13);
   return is(step, kind::data_processing | kind::any_branch | kind::load | kind::store |
@@ -88,6 +101,7 @@ uint32_t BlockPlan::bound_of(const Step& step) const {
   uint32_t bound = step.cycles;
   const uint32_t wait = machine_.memory.map().largest_wait();
   if (is(step, kind::transfer)) bound += wait * std::max(2u, step.list.count()) + unaligned_most;
+  if (is(step, kind::fp_transfer)) bound += wait * fp_operand::transferred(step);
   if (is(step, kind::divide)) bound += timing::divide_most;
   if (step.by_operands) bound += timing::long_multiply_most;
   return bound;

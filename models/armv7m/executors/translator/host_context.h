@@ -57,6 +57,10 @@ struct HostContext {
   uint32_t recipe = 0;                  ///< of the flags that a block left uncomputed; 0: none
   WordsAside aside{};
   uint64_t place = 0;  ///< kept for a moment by a return
+  // 0 or 1
+  uint32_t fp_open = 0;    ///< FloatingPoint::is_open(), which C++ alone changes
+  uint32_t fp_host = 0;    ///< the host computes with the modes that programs begin with
+  uint32_t fp_native = 0;  ///< and FPSCR is such that FloatingOperations may use it
   JumpCache jumps;
   /// By region: for reading; for writing the longest row without code, and the one it begins with.
   std::array<MemoryWindow, windows> read, write, write_from_base;

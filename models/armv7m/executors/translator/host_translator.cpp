@@ -1,4 +1,5 @@
 #include <asmjit/x86.h>
+#include <xmmintrin.h>
 
 #include <algorithm>
 
@@ -42,6 +43,7 @@ class HostTranslator : public Translator {
   const void* heat(const Step* head, CodePage& page);
   const Step* execute(const void* entry, uint64_t left);
   const Step* leave(const BlockExit& exit);
+  void refresh_fpu();
   void refresh_windows();
   void open_windows(const Memory::Region& region, std::size_t number);
   void drop_all();
@@ -136,6 +138,7 @@ const Step* HostTranslator::execute(const void* entry, uint64_t left) {
   State& state = machine_.state;
   left = std::min(left, most);
   refresh_windows();
+  if (machine_.profile.has_fpu()) refresh_fpu();
   context_.budget = left << 32;
   context_.recipe = 0;
   const auto enter = reinterpret_cast<Entry>(  // NOLINT: code that was written by BlockCompiler
@@ -175,6 +178,16 @@ const Step* HostTranslator::leave(const BlockExit& exit) {
   if (completes) entry -= BlockEdges::refill_bytes;
   std::memcpy(buffer_.writable(exit.slot), &entry, sizeof entry);
   return next;
+}
+
+/// Who may use the floating-point extension, and FPSCR, may have changed.
+void HostTranslator::refresh_fpu() {
+  constexpr unsigned raised = 0x3F, at_start = 0x1F80;  // of MXCSR
+  const uint32_t status = machine_.state.fpu.status().bits();
+  context_.fp_open = machine_.floating_point.is_open() ? 1 : 0;
+  context_.fp_host = (_mm_getcsr() & ~raised) == at_start ? 1 : 0;
+  const bool native = (status & (Fpscr::modes | Fpscr::inexact)) == Fpscr::inexact;
+  context_.fp_native = native ? context_.fp_host : 0;
 }
 
 /// What can be reached directly may have changed.

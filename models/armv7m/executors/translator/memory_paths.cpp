@@ -19,6 +19,7 @@ unsigned log2_of(unsigned size) {
 }  // namespace
 
 unsigned MemoryPaths::Access::words() const {
+  if (singles != 0) return singles;
   if (list != 0) return static_cast<unsigned>(__builtin_popcount(list));
   return ra != none ? 2 : 1;
 }
@@ -69,6 +70,7 @@ void MemoryPaths::move(const Access& access, unsigned n, const Mem& at) {
 }
 
 void MemoryPaths::transfer(const Access& access, const Mem& place) {
+  if (access.singles != 0) return transfer_singles(access, place);
   if (access.list == 0) {
     move(access, access.rd, place);
     if (access.ra != none) move(access, access.ra, place.cloneAdjusted(4));
@@ -77,6 +79,16 @@ void MemoryPaths::transfer(const Access& access, const Mem& place) {
   int64_t offset = 0;
   for (uint32_t list = access.list & 0x7FFFu; list != 0; list &= list - 1, offset += 4)
     move(access, static_cast<unsigned>(__builtin_ctz(list)), place.cloneAdjusted(offset));
+}
+
+/// Floating-point registers, which are in the state.
+void MemoryPaths::transfer_singles(const Access& access, const Mem& place) {
+  const uint32_t* const first = machine_.state.fpu.singles() + access.first_single;
+  for (unsigned i = 0; i < access.singles; ++i) {
+    const Mem single = code_.state_word(first + i), word = place.cloneAdjusted(4 * i);
+    a_.mov(x86::edx, access.store ? single : word);
+    a_.mov(access.store ? word : single, x86::edx);
+  }
 }
 
 /// What an address is likely to be.
@@ -265,7 +277,8 @@ void MemoryPaths::emit_slow_ways() {
 void MemoryPaths::emit_slow(const SlowAccess& slow) {
   a_.bind(slow.entry);
   const bool may_be_unaligned = slow.access.words() == 1 && slow.access.list == 0 &&
-                                slow.access.size > 1 && !slow.access.aligned &&
+                                slow.access.singles == 0 && slow.access.size > 1 &&
+                                !slow.access.aligned &&
                                 window(slow.access, slow.window).wait_states == 0;
   if (may_be_unaligned) emit_unaligned(slow);
   look_up(slow.address, slow.access, slow.exit);

@@ -27,6 +27,8 @@ class MemoryPaths {
     uint8_t rd = 0;
     uint8_t ra = FlagOperand::none;  ///< LDRD and STRD: the second register
     uint16_t list = 0;               ///< of LDM and STM, instead
+    uint8_t singles = 0;             ///< or how many floating-point registers from a first one on
+    uint8_t first_single = 0;
     unsigned words() const;
   };
   /// Its address: base + (index << shift) + imm.
@@ -79,6 +81,7 @@ class MemoryPaths {
   void emit_unaligned(const SlowAccess& slow);
   void look_up(const Address& address, const Access& access, const Label& exit);
   void move(const Access& access, unsigned n, const Mem& at);
+  void transfer_singles(const Access& access, const Mem& place);
   void address_to(const Gp& to, const Address& address, uint32_t less);
   std::optional<uint32_t> guess(const Address& address) const;
 
