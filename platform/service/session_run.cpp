@@ -34,6 +34,7 @@ class SessionRun final : private debug::Clients::Processor {
   SessionRun(RunSession session, std::unique_ptr<debug::Connections> connections, bool halted,
              std::unique_ptr<debug::Connections> on_failure, bool is_repeated)
       : on_failure_(std::move(on_failure)),
+        can_be_debugged_(connections != nullptr),
         is_repeated_(is_repeated),
         session_(std::move(session)),
         target_(session_.client(), session_.simulation(),
@@ -114,12 +115,21 @@ class SessionRun final : private debug::Clients::Processor {
     }
   }
 
+  /// No debugger can stop it. A processor with a debugger meets the kernel at each access to a
+  /// device, which takes twice the time of a program that does little else.
+  bool runs_freely() const { return !can_be_debugged_ && !is_repeated_ && !session_.reads_keys(); }
+
+  Answer run() {
+    if (runs_freely())
+      return ask_until_wanted("simulation.advance", {{"simulation", session_.simulation()}});
+    return ask_until_wanted(goes_back() ? "debugger.reverse" : "debugger.resume", request());
+  }
+
   /// False: the run is over.
   bool go_on() {
     target_.forget();
     clients_.print(std::exchange(said_, {}));  // a console listens only now
-    const Answer answer =
-        ask_until_wanted(goes_back() ? "debugger.reverse" : "debugger.resume", request());
+    const Answer answer = run();
     session_.show();
     if (!answer.ok()) {
       if (answer.code == Code::over || answer.code == Code::no_simulation) return false;
@@ -150,13 +160,14 @@ class SessionRun final : private debug::Clients::Processor {
         "exit {}: {}\ngdb: listening on 127.0.0.1:{}, waiting for a debugger at the failure\n",
         failure_.at("code").get<int>(), failure_.at("reason").get<std::string>(),
         on_failure_->port());
+    can_be_debugged_ = true;
     clients_.open(std::move(on_failure_));
     clients_.halt({StopCause::Kind::failure});
     return true;
   }
 
   std::unique_ptr<debug::Connections> on_failure_;
-  bool is_repeated_;
+  bool can_be_debugged_, is_repeated_;
   RunSession session_;
   RemoteTarget target_;
   debug::Clients clients_;

@@ -109,6 +109,17 @@ TEST_P(FpuContext, IsClosedUntilCpacrOpensIt) {
   }
 }
 
+TEST_P(FpuContext, AnInstructionThatIsSkippedOpensNothing) {
+  Bench b(0, cortex_m4f);
+  prepare(b, {0x4280, 0xBF18, 0xEE10, 0x1A10,  // cmp r0,r0; it ne; vmovne r1,s0
+              0xEE10, 0x2A90});                // vmov r2,s1
+  write(b, ppb::CPACR, 0);
+  run(b, 50);
+  EXPECT_EQ(b.core.last_fault().cfsr, fp_nocp);
+  EXPECT_EQ(b.core.last_fault().address, Bench::program + 8);
+  EXPECT_EQ(b.core.reg(2), 0u);
+}
+
 // A5.3.18: in an open FPU the rest of its encodings is undefined, other coprocessors are none.
 TEST_P(FpuContext, DoublePrecisionIsUndefined) {
   struct Row {
