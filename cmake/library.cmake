@@ -63,7 +63,7 @@ capsoc_component(soc TARGETS capsoc_soc NEEDS armv7m bus cmsdk an385 coprocessor
 
 if(PROJECT_IS_TOP_LEVEL)
   # Headers that need another library's for what only capsoc's own program does, and those of the processor's translator.
-  set(own_use "/base/(json|toml|data_table|curve|setting_fields|settings|shell)\\.h$|/translator/(block_compiler|block_edges|data_operations|flag_tracker|host_code|memory_paths|register_map|transfers)\\.h$|/sensor/overrides\\.h$|/identification/kernels_body\\.h$")
+  set(own_use "/base/(json|toml|data_table|curve|setting_fields|settings|shell)\\.h$|/translator/(block_compiler|block_edges|data_operations|flag_tracker|floating_operations|host_code|memory_paths|register_map|step_calls|transfers)\\.h$|/sensor/overrides\\.h$|/identification/kernels_body\\.h$")
   set(parts base kit bus armv7m cmsdk an385 peripherals coprocessor sensor identification)
   foreach(part ${parts})
     install(DIRECTORY models/${part} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/capsoc COMPONENT development

@@ -46,6 +46,12 @@ TEST(Fault, WhatIsWrongIsSaid) {
   EXPECT_NE(refused("bend cpu.r3[5] at 1s").find("'bend' is no fault; there are flip"),
             std::string::npos);
   EXPECT_NE(refused("flip cpu.r3 at 1s").find("'cpu.r3' names no bit"), std::string::npos);
+  for (const char* line : {"flip", "flip at 1s"})
+    EXPECT_NE(refused(line).find("names no place; write PLACE[BIT]"), std::string::npos) << line;
+  for (const char* line : {"flip read", "stuck0 write at 1s"})
+    EXPECT_NE(refused(line).find("names no register; write DEVICE.REGISTER[BIT]"),
+              std::string::npos)
+        << line;
   EXPECT_NE(refused("flip cpu.r3[x] at 1s").find("names no bit"), std::string::npos);
   EXPECT_NE(refused("flip cpu.r3[5]").find("has no time"), std::string::npos);
   EXPECT_NE(refused("flip cpu.r3[5] at noon").find("'noon' is no time"), std::string::npos);

@@ -3,6 +3,7 @@
 and what else shows that it is another processor.
 """
 
+import json
 import re
 import unittest
 
@@ -10,6 +11,7 @@ import profile_case
 from gdb_test import Packets, Run, gdb
 from harness import CAPSOC, FIRMWARE, Case, output_of
 from profile_case import ask, capsoc
+from trace_test import read_callgrind
 
 CTEST = {"name": "m4f", "timeout": 600}
 
@@ -88,6 +90,29 @@ class Differences(Case):
         self.assertRegex(text, r"vmov s1, r1 .* s1=80000000")
         self.assertRegex(text, r"vmsr fpscr, r\d+ .* control=00000004")
 
+    def test_traces_follow_frames_with_its_registers(self):
+        """Threads continue where a return from such a frame leaves them: in their callers, and as the same threads."""
+        profile, line = self.folder / "p.out", self.folder / "t.json"
+        output_of(CAPSOC, "run", CONTEXT, *CHOSEN, "--profile", profile, "--timeline", line)
+        own, calls = read_callgrind(profile.read_text())
+        for pair, count in {
+            ("show", "differences_after_call"): 6,
+            ("show", "printf"): 6,
+            ("[SysTick]", "tick"): 200,
+            ("tick", "compute"): 200,
+            ("[PendSV]", "switch_handler"): 100,
+            ("Reset_Handler", "exit"): 1,
+        }.items():
+            self.assertEqual(calls[pair][0], count, pair)
+        # All but the end of the run, and the handlers, is in main.
+        handlers = sum(cycles for (caller, _), (_, cycles) in calls.items() if caller.startswith("["))
+        whole = sum(own.values()) - own["instructions"]
+        self.assertGreater(calls["Reset_Handler", "main"][1], 0.97 * (whole - handlers))
+        events = json.loads(line.read_text())["traceEvents"]
+        runs = [event["tid"] for event in events if event["name"] == "runs"]
+        self.assertGreater(len(runs), 200)
+        self.assertEqual(len(set(runs)), 1, "one thread, whatever interrupts it")
+
     def test_a_register_of_it_can_be_injected_into(self):
         for place in ("cpu.s3[30]", "cpu.fpscr[22]", "cpu.fpu.lspact[0]"):
             done = capsoc("run", HELLO, *CHOSEN, "--inject", f"flip {place} at 0.0001s")
@@ -137,6 +162,19 @@ class Debugger(Case):
                 self.assertIn("$1 = 1.5\n", out)
                 self.assertIn("$2 = -2\n", out)
                 self.assertIn("$3 = 0x400000\n", out)
+
+    def test_lldb_does_too(self):
+        commands = (
+            "register write d1 0x3f8000003fc00000\nregister write fpscr 0x400000\n"
+            "breakpoint set -n main\ncontinue\nregister read d1 fpscr\ncontinue\n"
+        )
+        with Run(HELLO, "--halt", *CHOSEN) as run:
+            script = self.folder / "commands.lldb"
+            script.write_text(f"gdb-remote 127.0.0.1:{run.port}\n{commands}")
+            said = output_of("lldb", "--no-lldbinit", "-l", "none", "-b", "-s", script, HELLO)
+        self.assertRegex(said, r"stop reason = breakpoint 1\.1")
+        self.assertRegex(said, r"d1 = 0x3f8000003fc00000\n +fpscr = 0x00400000\n")
+        self.assertIn("exited with status = 0", said)
 
 
 if __name__ == "__main__":

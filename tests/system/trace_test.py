@@ -288,34 +288,39 @@ class Bus(Traced):
         self.assertEqual(len(lines), len(without) + len(fetches))
 
 
+def read_callgrind(text):
+    """Cycles by function (and all instructions), and by (caller, callee) how many calls, with their cycles."""
+    names, own, calls, function, callee, count = {}, Counter(), {}, None, None, None
+
+    def name(text):
+        number, _, rest = text.partition(" ")
+        return names.setdefault(number, rest)
+
+    for line in text.splitlines():
+        if line.startswith("fn="):
+            function = name(line[3:])
+        elif line.startswith("cfn="):
+            callee = name(line[4:])
+        elif line.startswith("calls="):
+            count = int(line[6:].split()[0])
+        elif line.startswith("0x"):
+            _, _, cycles, instructions = line.split()
+            if count is None:
+                own[function] += int(cycles)
+                own["instructions"] += int(instructions)
+            else:
+                before = calls.get((function, callee), (0, 0))
+                calls[function, callee] = (before[0] + count, before[1] + int(cycles))
+                count = None
+    return own, calls
+
+
 class Profile(Traced):
     def callgrind(self, program):
         """Self costs by function, calls by (caller, callee), and the results."""
         place = self.folder / "p.out"
         _, _, result = self.run_with(program, "--profile", place)
-        names, own, calls, function, callee, count = {}, Counter(), {}, None, None, None
-
-        def name(text):
-            number, _, rest = text.partition(" ")
-            return names.setdefault(number, rest)
-
-        for line in place.read_text().splitlines():
-            if line.startswith("fn="):
-                function = name(line[3:])
-            elif line.startswith("cfn="):
-                callee = name(line[4:])
-            elif line.startswith("calls="):
-                count = int(line[6:].split()[0])
-            elif line.startswith("0x"):
-                _, _, cycles, instructions = line.split()
-                if count is None:
-                    own[function] += int(cycles)
-                    own["instructions"] += int(instructions)
-                else:
-                    before = calls.get((function, callee), (0, 0))
-                    calls[function, callee] = (before[0] + count, before[1] + int(cycles))
-                    count = None
-        return own, calls, result
+        return *read_callgrind(place.read_text()), result
 
     def test_every_cycle_is_somebodys(self):
         for program in ("debuggee", "profiled", "hello", "divzero"):

@@ -112,8 +112,12 @@ class Reader {
 
 /// "cpu.r3[5]": the last brackets are the bit.
 std::optional<Error> take_place(const std::string& word, Fault& fault) {
+  if (word.empty() || word == "at")
+    return fault.way == Fault::Way::none
+               ? Error{"names no place; write PLACE[BIT], for instance cpu.r3[5]"}
+               : Error{"names no register; write DEVICE.REGISTER[BIT], for instance ADC.CTRL[0]"};
   const std::size_t open = word.rfind('[');
-  const auto bit = word.empty() || word.back() != ']' || open == std::string::npos || open == 0
+  const auto bit = word.back() != ']' || open == std::string::npos || open == 0
                        ? std::nullopt
                        : whole_number(word.substr(open + 1, word.size() - open - 2));
   if (!bit || *bit > INT32_MAX)
