@@ -62,13 +62,17 @@ capsoc_component(identification TARGETS capsoc_identification NEEDS base PACKAGE
 capsoc_component(soc TARGETS capsoc_soc NEEDS armv7m bus cmsdk an385 coprocessor peripherals)
 
 if(PROJECT_IS_TOP_LEVEL)
-  # Headers that need another library's for what only capsoc's own program does, and those of the processor's translator.
-  set(own_use "/base/(json|toml|data_table|curve|setting_fields|settings|shell)\\.h$|/translator/(block_compiler|block_edges|data_operations|flag_tracker|floating_operations|host_code|memory_paths|register_map|step_calls|transfers)\\.h$|/sensor/overrides\\.h$|/identification/kernels_body\\.h$")
+  # Headers that need another library's for what only capsoc's own program does.
+  set(own_use "/base/(json|toml|data_table|curve|setting_fields|settings|shell)\\.h$|/executors/translator$|/sensor/overrides\\.h$|/identification/kernels_body\\.h$")
   set(parts base kit bus armv7m cmsdk an385 peripherals coprocessor sensor identification)
   foreach(part ${parts})
     install(DIRECTORY models/${part} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/capsoc COMPONENT development
             FILES_MATCHING PATTERN "*.h" PATTERN "*.def" REGEX "${own_use}" EXCLUDE)
   endforeach()
+  # Of the processor's translator what the processor has as members.
+  set(translator models/armv7m/executors/translator)
+  install(FILES ${translator}/flag_sources.h ${translator}/host_context.h ${translator}/translator.h
+          DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/capsoc/armv7m/executors/translator COMPONENT development)
   install(FILES platform/soc/soc.h platform/soc/board_map.h platform/soc/board_registers.h
           DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/capsoc/soc COMPONENT development)
   install(FILES ${PROJECT_BINARY_DIR}/generated/capsoc_registers.h ${PROJECT_BINARY_DIR}/generated/capsoc_coprocessor_map.h
