@@ -54,6 +54,25 @@ class Programs(profile_case.Programs):
         output_of(CAPSOC, "run", FIRMWARE / "selfcal.elf", "--json", self.folder / "m3.json")
         self.assertEqual(result["parameters"], self.result("m3.json")["parameters"])
 
+    def test_qemus_cortex_m4_computes_the_same_as_translated_code(self):
+        for kernel in ("float_matrix", "float_filter", "float_control"):
+            with self.subTest(kernel):
+                program = FIRMWARE / f"bench_{kernel}_m4f.elf"
+                path = self.folder / "r.json"
+                out = output_of(CAPSOC, "run", program, *CHOSEN, "--json", path)
+                self.assertEqual(out, on_qemu(program))
+                self.assertGreater(self.result("r.json")["translator"]["share"]["translator"], 0.99)
+
+    def test_its_speed_is_measured_beside_qemus(self):
+        path = self.folder / "b.json"
+        kernel = FIRMWARE / "bench_float_control_m4f.elf"
+        command = ("bench", "cpu", kernel, "--repeat", "1", "--json", path)
+        output_of(CAPSOC, *command, "--profile", "m4f")
+        rows = json.loads(path.read_text())["tables"][0]["rows"]
+        self.assertEqual([row["verdict"] for row in rows if row["program"] == kernel.stem], ["good"])
+        # The Cortex-M3 has no FPU, neither here nor in QEMU.
+        self.assertEqual(capsoc(*command).returncode, 1)
+
     def test_an_integer_program_takes_the_time_of_the_cortex_m4(self):
         cpus = []
         for profile in ("m4", "m4f"):
