@@ -30,7 +30,7 @@ endforeach()
 # find_package(capsoc): libraries of RTL of one's own.
 set(rtl platform/simulation/rtl)
 install(FILES ${rtl}/rtl_library.cmake ${rtl}/include_all.cmake ${rtl}/hash_sources.cmake ${rtl}/black_box.sv.in ${rtl}/black_box.cpp.in
-              ${rtl}/rtl_abi.h ${rtl}/rtl_state.def ${rtl}/verilated_instance.h ${rtl}/verilated_pins.h
+              ${rtl}/rtl_abi.h ${rtl}/rtl_state.def ${generated}/capsoc_coprocessor_settings.def ${rtl}/verilated_instance.h ${rtl}/verilated_pins.h
         DESTINATION ${data}/rtl COMPONENT rtl)
 install(FILES cmake/capsocConfig.cmake DESTINATION ${data} COMPONENT rtl)
 # The C interface to the reference, and a bench that uses it.

@@ -43,13 +43,9 @@ typedef struct packed {
   logic        demod, calib;
   logic        block, guard;
   logic        correct;
-  logic [1:0]  source;             // CTRL.REF
+  logic [1:0]  source;  // CTRL.REF
   logic [4:0]  kp, ki;
-  steps_t      steps;
-  logic [31:0] lock_threshold;     // u32, Q1.31
-  logic [31:0] diverge_threshold;
-  capsoc_coprocessor_judge_t judge;
-  logic [31:0] turn_limit;         // samples
+  capsoc_coprocessor_settings_t registers;  // by their names
   capsoc_coprocessor_safety_t safety;
 } settings_t;
 

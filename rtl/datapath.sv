@@ -101,7 +101,10 @@ module datapath #(
   steps_t steps;
   weights_t weights_now, weights;
   parameters_t parameters_now, parameters;
-  assign steps = settings_i.steps;
+  capsoc_coprocessor_settings_t registers;
+  assign registers = settings_i.registers;
+  assign steps = {registers.STEP_AU, registers.STEP_BU, registers.STEP_CU,
+                  registers.STEP_AV, registers.STEP_BV, registers.STEP_CV};
   assign weights_now = state_i.weights;
   assign parameters_now = state_i.parameters;
   assign state_o.weights = weights;
@@ -167,7 +170,7 @@ module datapath #(
     .clk_i, .rst_ni, .tick_i, \
     .keep_i(state_we_o), .learning_i(learning), .sum_i(sum), \
     .u_i(u_q), .v_i(v_q), .data_i(data), .sine_i(sine), .cosine_i(cosine), \
-    .steps_i(steps), .slew_i(settings_i.judge.SLEW), \
+    .steps_i(steps), .slew_i(registers.JUDGE.SLEW), \
     .weights_i(weights_now), .parameters_i(parameters_now), .relative_i(relative), \
     .core_o(core), .weights_o(weights), .parameters_o(parameters)
   logic signed [31:0] data;
@@ -199,8 +202,8 @@ module datapath #(
     .commit_i     (commit_o),
     .error_valid_i(core.error_valid),
     .error_i      (core.error),
-    .lock_threshold_i   (settings_i.lock_threshold),
-    .diverge_threshold_i(settings_i.diverge_threshold),
+    .lock_threshold_i   (registers.LOCK_THRESHOLD),
+    .diverge_threshold_i(registers.DIVERGE_THRESHOLD),
     .average_o    (average),
     .lock_o       (lock),
     .diverged_o   (diverged)
@@ -281,8 +284,8 @@ module datapath #(
     .turn_i           (turn4),
     .octant_i         (angle[31:29]),
     .ref_i            (settings_i.source),
-    .judge_i          (settings_i.judge),
-    .turn_limit_i     (settings_i.turn_limit),
+    .judge_i          (registers.JUDGE),
+    .turn_limit_i     (registers.TURN_LIMIT),
     .write_o          (quality_we),
     .write_address_o  (quality_address),
     .write_data_o     (quality),

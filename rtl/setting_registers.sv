@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Registers that only software writes and the pipeline reads: CTRL, steps, LOOP, thresholds,
-// JUDGE, TURN_LIMIT (docs/reference/coprocessor.md, "Registers"). Reserved values are refused here.
+// Registers that only software writes and the pipeline reads (docs/reference/coprocessor.md, "Registers"): CTRL, LOOP and
+// SAFETY, whose fields go to several units, and around them those that <settings> of the register description lists.
+// Reserved values are refused here.
 //
 // Latency: a write counts from its edge on. Formats: steps u31, Q1.31; thresholds u32, Q1.31.
 module setting_registers #(
@@ -87,74 +88,21 @@ module setting_registers #(
   assign enables_o.lock   = ie_lock_q;
   assign enables_o.result = ie_result_q;
 
-  // The six steps have one reset value.
-  localparam logic [31:0] StepReset = capsoc_coprocessor_pkg::STEP_AU_RESET;
-  logic [30:0] step_data, step_au_q, step_bu_q, step_cu_q, step_av_q, step_bv_q, step_cv_q;
-  logic [5:0]  write_step;
-  assign write_step = {select_i.STEP_CV, select_i.STEP_BV, select_i.STEP_AV,
-                       select_i.STEP_CU, select_i.STEP_BU, select_i.STEP_AU} & {6{write_i}};
-  assign step_data = clear_i ? StepReset[30:0] : pwdata_i[30:0];
-  always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
-      step_au_q <= StepReset[30:0];
-      step_bu_q <= StepReset[30:0];
-      step_cu_q <= StepReset[30:0];
-      step_av_q <= StepReset[30:0];
-      step_bv_q <= StepReset[30:0];
-      step_cv_q <= StepReset[30:0];
-    end else begin
-      if (clear_i | write_step[0]) step_au_q <= step_data;
-      if (clear_i | write_step[1]) step_bu_q <= step_data;
-      if (clear_i | write_step[2]) step_cu_q <= step_data;
-      if (clear_i | write_step[3]) step_av_q <= step_data;
-      if (clear_i | write_step[4]) step_bv_q <= step_data;
-      if (clear_i | write_step[5]) step_cv_q <= step_data;
-    end
-  end
-  steps_t steps;
-  assign steps.au = step_au_q;
-  assign steps.bu = step_bu_q;
-  assign steps.cu = step_cu_q;
-  assign steps.av = step_av_q;
-  assign steps.bv = step_bv_q;
-  assign steps.cv = step_cv_q;
-
   localparam logic [31:0] LoopReset    = capsoc_coprocessor_pkg::LOOP_RESET;
-  localparam logic [31:0] LockReset    = capsoc_coprocessor_pkg::LOCK_THRESHOLD_RESET;
-  localparam logic [31:0] DivergeReset = capsoc_coprocessor_pkg::DIVERGE_THRESHOLD_RESET;
   localparam int KpLow  = capsoc_coprocessor_pkg::LOOP_KP_LSB;
   localparam int KpHigh = capsoc_coprocessor_pkg::LOOP_KP_MSB;
   localparam int KiLow  = capsoc_coprocessor_pkg::LOOP_KI_LSB;
   localparam int KiHigh = capsoc_coprocessor_pkg::LOOP_KI_MSB;
-  localparam logic [31:0] JudgeReset   = capsoc_coprocessor_pkg::JUDGE_RESET;
-  localparam logic [31:0] LimitReset   = capsoc_coprocessor_pkg::TURN_LIMIT_RESET;
-  logic        write_loop, write_lock, write_diverge, write_judge, write_limit;
-  logic [21:0] judge_q;
-  logic [31:0] turn_limit_q;
-  logic [4:0]  kp_q, ki_q;
-  logic [31:0] lock_threshold_q, diverge_threshold_q;
-  assign write_loop    = write_i & select_i.LOOP;
-  assign write_lock    = write_i & select_i.LOCK_THRESHOLD;
-  assign write_judge   = write_i & select_i.JUDGE;
-  assign write_limit   = write_i & select_i.TURN_LIMIT;
-  assign write_diverge = write_i & select_i.DIVERGE_THRESHOLD;
+  logic       write_loop;
+  logic [4:0] kp_q, ki_q;
+  assign write_loop = write_i & select_i.LOOP;
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
-      kp_q                <= LoopReset[KpHigh:KpLow];
-      ki_q                <= LoopReset[KiHigh:KiLow];
-      lock_threshold_q    <= LockReset;
-      diverge_threshold_q <= DivergeReset;
-      judge_q             <= JudgeReset[21:0];
-      turn_limit_q        <= LimitReset;
-    end else begin
-      if (clear_i | write_loop) begin
-        kp_q <= clear_i ? LoopReset[KpHigh:KpLow] : pwdata_i[KpHigh:KpLow];
-        ki_q <= clear_i ? LoopReset[KiHigh:KiLow] : pwdata_i[KiHigh:KiLow];
-      end
-      if (clear_i | write_lock) lock_threshold_q <= clear_i ? LockReset : pwdata_i;
-      if (clear_i | write_diverge) diverge_threshold_q <= clear_i ? DivergeReset : pwdata_i;
-      if (clear_i | write_judge) judge_q <= clear_i ? JudgeReset[21:0] : pwdata_i[21:0];
-      if (clear_i | write_limit) turn_limit_q <= clear_i ? LimitReset : pwdata_i;
+      kp_q <= LoopReset[KpHigh:KpLow];
+      ki_q <= LoopReset[KiHigh:KiLow];
+    end else if (clear_i | write_loop) begin
+      kp_q <= clear_i ? LoopReset[KpHigh:KpLow] : pwdata_i[KpHigh:KpLow];
+      ki_q <= clear_i ? LoopReset[KiHigh:KiLow] : pwdata_i[KiHigh:KiLow];
     end
   end
 
@@ -187,17 +135,28 @@ module setting_registers #(
   assign safety.RESERVED_7_4   = '0;
   assign {safety.MISSED, safety.JUMP, safety.MISFIT, safety.PARITY} = mechanisms_q;
 
-  // A parity bit for each register: SAFETY, TURN_LIMIT, JUDGE, DIVERGE_THRESHOLD, LOCK_THRESHOLD, LOOP, steps (CV to AU), CTRL.
-  logic [12:0] parity_q, written, next_parity, parity;
-  logic        word_parity;
-  logic [1:0]  ref_d;
+  // The registers whose word is all that the pipeline reads
+  capsoc_coprocessor_settings_t registers;
+  logic registers_fault;
+  capsoc_coprocessor_settings #(
+    .Parity (Safety)
+  ) u_registers (
+    .clk_i, .rst_ni,
+    .clear_i, .write_i, .select_i,
+    .write_data_i (pwdata_i),
+    .bad_parity_i (bad_parity_q),
+    .settings_o   (registers),
+    .fault_o      (registers_fault)
+  );
+
+  // A parity bit for each of SAFETY, LOOP, CTRL.
+  logic [2:0] parity_q, written, next_parity, parity;
+  logic [1:0] ref_d;
   assign ref_d       = clear_i | ~reserved_ref ? ctrl_data[RefHigh:RefLow] : ref_q;
-  assign word_parity = ^pwdata_i;  // a step's upper bit is 0
-  assign written     = {write_safety, write_limit, write_judge, write_diverge, write_lock, write_loop, write_step, write_ctrl};
+  assign written     = {write_safety, write_loop, write_ctrl};
   assign next_parity = {^{safety_data.MISSED, safety_data.JUMP, safety_data.MISFIT, safety_data.PARITY,
                           safety_data.BAD_PARITY, safety_data.ERROR_LIMIT, safety_data.STEP_LIMIT},
-                        word_parity, ^pwdata_i[21:0], word_parity, word_parity,
-                        ^{pwdata_i[KpHigh:KpLow], pwdata_i[KiHigh:KiLow]}, {6{word_parity}},
+                        ^{pwdata_i[KpHigh:KpLow], pwdata_i[KiHigh:KiLow]},
                         ^{ctrl_data[capsoc_coprocessor_pkg::CTRL_DEMOD_LSB],
                           ctrl_data[capsoc_coprocessor_pkg::CTRL_CALIB_LSB], ref_d,
                           ctrl_data[capsoc_coprocessor_pkg::CTRL_ADC_LSB],
@@ -210,36 +169,30 @@ module setting_registers #(
                           ctrl_data[capsoc_coprocessor_pkg::CTRL_FREEZE_LSB],
                           ctrl_data[capsoc_coprocessor_pkg::CTRL_BLOCK_LSB] & Block != 0,
                           ctrl_data[capsoc_coprocessor_pkg::CTRL_GUARD_LSB] & Block != 0,
-                          ctrl_data[capsoc_coprocessor_pkg::CTRL_CORRECT_LSB] & Harmonics != 0}} ^ {13{bad_parity_q}};
-  localparam logic [12:0] ResetParity = {13{Safety != 0}} &
-      {1'b0, ^LimitReset, ^JudgeReset, ^DivergeReset, ^LockReset, ^LoopReset, {6{^StepReset}}, ^CtrlReset};
+                          ctrl_data[capsoc_coprocessor_pkg::CTRL_CORRECT_LSB] & Harmonics != 0}} ^ {3{bad_parity_q}};
+  localparam logic [2:0] ResetParity = {3{Safety != 0}} & {1'b0, ^LoopReset, ^CtrlReset};
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) parity_q <= ResetParity;
     else if (clear_i) parity_q <= ResetParity;
-    else if (|written) parity_q <= ((parity_q & ~written) | (next_parity & written)) & {13{Safety != 0}};
+    else if (|written) parity_q <= ((parity_q & ~written) | (next_parity & written)) & {3{Safety != 0}};
   end
   assign parity = {^{mechanisms_q, bad_parity_q, error_limit_q, step_limit_q},
-                   ^turn_limit_q, ^judge_q, ^diverge_threshold_q, ^lock_threshold_q, ^{kp_q, ki_q},
-                   ^step_cv_q, ^step_bv_q, ^step_av_q, ^step_cu_q, ^step_bu_q, ^step_au_q,
+                   ^{kp_q, ki_q},
                    ^{demod_q, calib_q, ref_q, adc_q, ie_result_q, ie_lock_q, ie_error_q, ie_turn_q, ie_alarm_q,
                      ie_safety_q, freeze_q, block_q, guard_q, correct_q}};
-  assign fault_o        = boundary_i ? Safety != 0 & (|(parity ^ parity_q)) : 1'b0;
-  assign safety_fault_o = boundary_i ? Safety != 0 & (parity[12] ^ parity_q[12]) : 1'b0;
+  assign fault_o        = boundary_i ? Safety != 0 & ((|(parity ^ parity_q)) | registers_fault) : 1'b0;
+  assign safety_fault_o = boundary_i ? Safety != 0 & (parity[2] ^ parity_q[2]) : 1'b0;
 
-  assign settings_o.demod             = demod_q;
-  assign settings_o.calib             = calib_q;
-  assign settings_o.block             = block_q;
-  assign settings_o.guard             = guard_q;
-  assign settings_o.correct           = correct_q;
-  assign settings_o.source            = ref_q;
-  assign settings_o.kp                = kp_q;
-  assign settings_o.ki                = ki_q;
-  assign settings_o.steps             = steps;
-  assign settings_o.lock_threshold    = lock_threshold_q;
-  assign settings_o.diverge_threshold = diverge_threshold_q;
-  assign settings_o.judge             = 32'(judge_q);
-  assign settings_o.turn_limit        = turn_limit_q;
-  assign settings_o.safety            = safety;
+  assign settings_o.demod     = demod_q;
+  assign settings_o.calib     = calib_q;
+  assign settings_o.block     = block_q;
+  assign settings_o.guard     = guard_q;
+  assign settings_o.correct   = correct_q;
+  assign settings_o.source    = ref_q;
+  assign settings_o.kp        = kp_q;
+  assign settings_o.ki        = ki_q;
+  assign settings_o.registers = registers;
+  assign settings_o.safety    = safety;
 
   logic unused_selects;  // of the other registers
   assign unused_selects = ^select_i;

@@ -3,7 +3,10 @@
 // them is here.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <string_view>
 
 #include "capsoc_coprocessor_map.h"
@@ -27,33 +30,17 @@ static_assert(flags_safety == (safety_parity | safety_misfit | safety_jump | saf
 constexpr uint64_t parity_bit(uint32_t offset) {
   return uint64_t{1} << offset / 4;
 }
-inline constexpr auto parity_registers = {reg_ctrl,
-                                          reg_freq_lo,
-                                          reg_phase_lo,
-                                          reg_step_au,
-                                          reg_step_bu,
-                                          reg_step_cu,
-                                          reg_step_av,
-                                          reg_step_bv,
-                                          reg_step_cv,
-                                          reg_loop,
-                                          reg_au_lo,
-                                          reg_bu_lo,
-                                          reg_cu_lo,
-                                          reg_av_lo,
-                                          reg_bv_lo,
-                                          reg_cv_lo,
-                                          reg_a1,
-                                          reg_a2,
-                                          reg_b1,
-                                          reg_b2,
-                                          reg_beta,
-                                          reg_phi,
-                                          reg_judge,
-                                          reg_lock_threshold,
-                                          reg_diverge_threshold,
-                                          reg_turn_limit,
-                                          reg_safety};
+inline constexpr auto parity_registers = [] {
+  constexpr uint32_t others[] = {reg_ctrl,  reg_loop,  reg_safety, reg_freq_lo, reg_phase_lo,
+                                 reg_au_lo, reg_bu_lo, reg_cu_lo,  reg_av_lo,   reg_bv_lo,
+                                 reg_cv_lo, reg_a1,    reg_a2,     reg_b1,      reg_b2,
+                                 reg_beta,  reg_phi};
+  std::array<uint32_t, std::size(others) + std::size(settings_registers)> all{};
+  std::size_t count = 0;
+  for (const uint32_t offset : others) all[count++] = offset;
+  for (const uint32_t offset : settings_registers) all[count++] = offset;
+  return all;
+}();
 inline constexpr uint64_t parity_bits = [] {
   uint64_t bits = 0;
   for (const uint32_t offset : parity_registers) bits |= parity_bit(offset);

@@ -47,7 +47,8 @@ module register_bank_properties (
   (* hierconn *) logic [31:0] \dut.samples ;
   (* hierconn *) logic [31:0] \dut.early_count ;
   (* hierconn *) logic [5:0] \dut.enables ;
-  (* hierconn *) logic [12:0] \dut.u_settings.parity_q ;
+  (* hierconn *) logic [2:0] \dut.u_settings.parity_q ;
+  (* hierconn *) logic [9:0] \dut.u_settings.u_registers.parity_q ;
   (* hierconn *) logic \dut.freeze ;
   logic [31:0] valids, probed;
   enables_t    enables;
@@ -64,10 +65,13 @@ module register_bank_properties (
   assign write  = access & pwrite_i;
   assign read   = access & ~pwrite_i;
 
+  capsoc_coprocessor_settings_t registers;
   steps_t      steps;
   weights_t    weights, weights_in;
   parameters_t parameters, parameters_in;
-  assign steps         = settings.steps;
+  assign registers     = settings.registers;
+  assign steps         = {registers.STEP_AU, registers.STEP_BU, registers.STEP_CU,
+                          registers.STEP_AV, registers.STEP_BV, registers.STEP_CV};
   assign weights       = state.weights;
   assign weights_in    = state_i.weights;
   assign parameters    = state.parameters;
@@ -105,8 +109,8 @@ module register_bank_properties (
       6'h0E: begin now = {17'd0, steps.bv}; start = {16'd0, capsoc_coprocessor_pkg::STEP_BV_RESET}; end
       6'h0F: begin now = {17'd0, steps.cv}; start = {16'd0, capsoc_coprocessor_pkg::STEP_CV_RESET}; end
       6'h10: begin now = {35'd0, settings.ki, 3'd0, settings.kp}; start = {16'd0, capsoc_coprocessor_pkg::LOOP_RESET}; end
-      6'h11: begin now = {16'd0, settings.lock_threshold}; start = {16'd0, capsoc_coprocessor_pkg::LOCK_THRESHOLD_RESET}; end
-      6'h12: begin now = {16'd0, settings.diverge_threshold}; start = {16'd0, capsoc_coprocessor_pkg::DIVERGE_THRESHOLD_RESET}; end
+      6'h11: begin now = {16'd0, registers.LOCK_THRESHOLD}; start = {16'd0, capsoc_coprocessor_pkg::LOCK_THRESHOLD_RESET}; end
+      6'h12: begin now = {16'd0, registers.DIVERGE_THRESHOLD}; start = {16'd0, capsoc_coprocessor_pkg::DIVERGE_THRESHOLD_RESET}; end
       6'h14, 6'h15: begin now = weights.au; given = weights_in.au; gives = state_we_i.weights_u; start = {1'b0, capsoc_coprocessor_pkg::AU_HI_RESET, 15'd0}; end
       6'h16, 6'h17: begin now = weights.bu; given = weights_in.bu; gives = state_we_i.weights_u; end
       6'h18, 6'h19: begin now = weights.cu; given = weights_in.cu; gives = state_we_i.weights_u; end
@@ -119,8 +123,8 @@ module register_bank_properties (
       6'h23: begin now = {16'd0, parameters.b2}; given = {16'd0, parameters_in.b2}; end
       6'h24: begin now = {16'd0, parameters.beta}; given = {16'd0, parameters_in.beta}; end
       6'h25: begin now = {16'd0, parameters.phi}; given = {16'd0, parameters_in.phi}; end
-      6'h26: begin now = {16'd0, settings.judge}; start = {16'd0, capsoc_coprocessor_pkg::JUDGE_RESET}; end
-      6'h27: now = {16'd0, settings.turn_limit};
+      6'h26: begin now = {16'd0, registers.JUDGE}; start = {16'd0, capsoc_coprocessor_pkg::JUDGE_RESET}; end
+      6'h27: now = {16'd0, registers.TURN_LIMIT};
       6'h2B: now = {16'd0, settings.safety};
       default: now = 48'd0;
     endcase
@@ -248,18 +252,18 @@ module register_bank_properties (
       6'h24: parity = \dut.u_state.u_beta.parity_q ;
       6'h25: parity = \dut.u_state.u_phi.parity_q ;
       6'h02: parity = \dut.u_settings.parity_q [0];
-      6'h0A: parity = \dut.u_settings.parity_q [1];
-      6'h0B: parity = \dut.u_settings.parity_q [2];
-      6'h0C: parity = \dut.u_settings.parity_q [3];
-      6'h0D: parity = \dut.u_settings.parity_q [4];
-      6'h0E: parity = \dut.u_settings.parity_q [5];
-      6'h0F: parity = \dut.u_settings.parity_q [6];
-      6'h10: parity = \dut.u_settings.parity_q [7];
-      6'h11: parity = \dut.u_settings.parity_q [8];
-      6'h12: parity = \dut.u_settings.parity_q [9];
-      6'h26: parity = \dut.u_settings.parity_q [10];
-      6'h27: parity = \dut.u_settings.parity_q [11];
-      6'h2B: parity = \dut.u_settings.parity_q [12];
+      6'h0A: parity = \dut.u_settings.u_registers.parity_q [0];
+      6'h0B: parity = \dut.u_settings.u_registers.parity_q [1];
+      6'h0C: parity = \dut.u_settings.u_registers.parity_q [2];
+      6'h0D: parity = \dut.u_settings.u_registers.parity_q [3];
+      6'h0E: parity = \dut.u_settings.u_registers.parity_q [4];
+      6'h0F: parity = \dut.u_settings.u_registers.parity_q [5];
+      6'h10: parity = \dut.u_settings.parity_q [1];
+      6'h11: parity = \dut.u_settings.u_registers.parity_q [6];
+      6'h12: parity = \dut.u_settings.u_registers.parity_q [7];
+      6'h26: parity = \dut.u_settings.u_registers.parity_q [8];
+      6'h27: parity = \dut.u_settings.u_registers.parity_q [9];
+      6'h2B: parity = \dut.u_settings.parity_q [2];
       default: parity = 1'b0;
     endcase
   end

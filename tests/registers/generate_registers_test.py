@@ -137,13 +137,47 @@ class Generator(unittest.TestCase):
         self.expect_error(hardware(place + "<results>A C</results>"), 7, "no register C")
         self.expect_error(hardware(place + "<words>A B</words>"), 7, "B has word 0", "write B=WORD")
         self.expect_error(hardware(place + "<words>A=32</words>"), 7, "from 0 to 31")
+        self.expect_error(hardware(place + "<words>A B=1 A=2</words>"), 7, "A has a word already")
+        self.expect_error(hardware(place + "<settings>A B=1</settings><words>B=2</words>"), 7, "B has a word already")
+        self.expect_error(hardware(place + "<settings>C</settings>"), 7, "no register C")
         self.assertEqual(self.run_on(hardware(place + "<words>A B=1</words>")).returncode, 0)
+
+    def test_the_settings_have_flip_flops_and_a_list(self):
+        self.assertEqual(self.run_generator(DESCRIPTION).returncode, 0)
+        rows = self.made("capsoc_coprocessor_settings.def").splitlines()[2:]
+        self.assertEqual(rows[0], "SETTING(step_au, 31)")
+        self.assertIn("SETTING(judge, 22)", rows)
+        self.assertEqual(rows[-1], f"SETTING_PARITY({len(rows) - 1})")
+        module = self.made("capsoc_coprocessor_settings.sv")
+        self.assertEqual(
+            re.findall(r"^  logic \[(\d+):0\] (\w+)_q;$", module, re.M),
+            [(str(int(bits) - 1), name) for name, bits in re.findall(r"SETTING\((\w+), (\d+)\)", "".join(rows))],
+        )
+        self.assertIn("  capsoc_coprocessor_judge_t JUDGE;\n", module)
+        # Of the reset values that have an odd number of bits, the list's last one first.
+        self.assertIn("10'b0111000000;", module)
+        names = ", ".join("reg_" + name for name in re.findall(r"SETTING\((\w+),", "".join(rows)))
+        self.assertIn(f"settings_registers[] = {{{names}}};", self.made("capsoc_coprocessor_map.h"))
+
+    def test_what_can_be_a_setting(self):
+        def setting(fields, reset="0x0"):
+            extension = "<vendorExtensions><hardware><peripheral>P</peripheral><settings>A</settings></hardware>"
+            tail = TAIL.replace("</device>", f"{extension}</vendorExtensions></device>")
+            return HEAD + register("A", "0x0", reset, fields) + tail
+
+        upper = field("RESERVED_31_8", "31:8", "read-only")
+        self.assertEqual(self.run_on(setting(field("LEVEL", "7:0") + upper)).returncode, 0)
+        gap = field("LOW", "3:0") + field("RESERVED_5_4", "5:4", "read-only") + field("HIGH", "7:6") + upper
+        for fields in (gap, field("LEVEL", "7:0", "read-only") + upper):
+            self.expect_error(setting(fields), 6, "A is no setting", "not the lowest")
+        parts = field("LEVEL", "7:0") + field("SHOWN", "31:8", "read-only")
+        self.expect_error(setting(parts, "0x100"), 6, "A is no setting", "0x100")
 
     def test_only_what_is_synthesised_has_a_decoder(self):
         self.run_generator(DESCRIPTION)
         self.assertEqual(
             [path.name for path in sorted(self.output.glob("*.sv"))],
-            ["capsoc_coprocessor_pkg.sv", "capsoc_coprocessor_selects.sv"],
+            ["capsoc_coprocessor_pkg.sv", "capsoc_coprocessor_selects.sv", "capsoc_coprocessor_settings.sv"],
         )
 
     def test_the_table_for_programs_has_masks_and_reserved_values(self):
@@ -184,7 +218,7 @@ class Generator(unittest.TestCase):
         before = {path: path.stat().st_mtime_ns for path in self.output.iterdir()}
         self.run_generator(DESCRIPTION)
         self.assertEqual(before, {path: path.stat().st_mtime_ns for path in self.output.iterdir()})
-        self.assertEqual(len(before), 7)
+        self.assertEqual(len(before), 9)
 
     # What it refuses
 

@@ -62,12 +62,15 @@ module register_bench #(
   assign {boundary_o, enter_o, cycle_o, stage_o, load_o, load_start_o} = tick;
   assign {held_u_o, held_v_o, held_clip_o} = held;
   assign control_o = {adc_enable, settings.source, settings.calib, settings.demod};
+  capsoc_coprocessor_settings_t registers;
+  assign registers = settings.registers;
   assign loop_o = {settings.ki, settings.kp};
-  assign {step_au_o, step_bu_o, step_cu_o, step_av_o, step_bv_o, step_cv_o} = settings.steps;
-  assign lock_threshold_o = settings.lock_threshold;
-  assign diverge_threshold_o = settings.diverge_threshold;
-  assign judge_o = settings.judge;
-  assign turn_limit_o = settings.turn_limit;
+  assign {step_au_o, step_bu_o, step_cu_o, step_av_o, step_bv_o, step_cv_o} =
+      {registers.STEP_AU, registers.STEP_BU, registers.STEP_CU, registers.STEP_AV, registers.STEP_BV, registers.STEP_CV};
+  assign lock_threshold_o = registers.LOCK_THRESHOLD;
+  assign diverge_threshold_o = registers.DIVERGE_THRESHOLD;
+  assign judge_o = registers.JUDGE;
+  assign turn_limit_o = registers.TURN_LIMIT;
 
   logic busy_next, pending, distrust, bad_parity, bad_safety;
   sequencer u_sequencer (

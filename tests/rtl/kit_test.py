@@ -109,7 +109,12 @@ class Kit(Case):
 
     def test_every_file_names_its_licence(self):
         for file in self.folder.iterdir():
-            generated = ("capsoc_coprocessor_pkg", "capsoc_coprocessor_selects", "capsoc_paper_sine")
+            generated = (
+                "capsoc_coprocessor_pkg",
+                "capsoc_coprocessor_selects",
+                "capsoc_coprocessor_settings",
+                "capsoc_paper_sine",
+            )
             if file.is_file() and not file.name.startswith(generated):
                 self.assertIn("SPDX-License-Identifier: Apache-2.0", file.read_text()[:300], file.name)
 

@@ -6,7 +6,7 @@ import re
 import subprocess
 import unittest
 
-from harness import CAPSOC, CLEAN, Case, FIRMWARE, SOURCE, without_host_times
+from harness import BUILD, CAPSOC, CLEAN, Case, FIRMWARE, SOURCE, without_host_times
 
 CTEST = {"name": "system: Inject", "timeout": 300}
 
@@ -15,6 +15,7 @@ SHORT = ["-P", "demodulation_samples=150", "-P", "calibration_samples=20", "-C",
 PATIENCE = 120
 #: The registers that model and RTL share.
 STATE = SOURCE / "platform" / "simulation" / "rtl" / "rtl_state.def"
+SETTINGS = BUILD / "generated" / "capsoc_coprocessor_settings.def"
 
 
 def state_of(checkpoint):
@@ -381,7 +382,10 @@ class Places(InjectCase):
         units = {place["unit"] for place in places}
         self.assertLessEqual({"processor", "code_sram", "ADC", "coprocessor", "rtl.u_turn_judge"}, units)
         bits = {place["place"]: place["bits"] for place in places}
-        known = re.findall(r"^(?:WORD|SETTING)\(\w+, (\d+), (\w+), (\w+)\)", STATE.read_text(), re.MULTILINE)
+        known = re.findall(r"^WORD\(\w+, (\d+), (\w+), (\w+)\)", STATE.read_text(), re.MULTILINE)
+        settings = re.findall(r"^SETTING\((\w+), (\d+)\)", SETTINGS.read_text(), re.MULTILINE)
+        self.assertGreaterEqual(len(settings), 10)
+        known += [(width, "u_register_bank.u_settings.u_registers", f"{name}_q") for name, width in settings]
         self.assertGreater(len(known), 70)
         for width, instance, variable in known:
             self.assertEqual(bits[f"rtl.{instance.replace('__DOT__', '.')}.{variable}"], int(width))

@@ -93,7 +93,7 @@ class Checks(SafeCase):
             (f"flip coprocessor.beta[31] {then}", (lost,), 3),
             (f"flip coprocessor.step_au[3] {then}", (lost,), 3),
             (f"flip coprocessor.mechanisms[0] {then}", (lost,), 3),
-            (f"flip coprocessor.settings_parity[4] {then}", (lost,), 3),
+            (f"flip coprocessor.registers_parity[4] {then}", (lost,), 3),
             (f"flip COPROCESSOR.CTRL.CALIB[0] {then}", (lost,), 3),
             (f"flip sin[25] {at}", (misfit,), 0),
             (f"flip cos[25] {at}", (misfit,), 0),
@@ -113,7 +113,7 @@ class Checks(SafeCase):
             (f"stuck0 {monitor}bad_parity_q[4]", "the test of the parity bits"),
             (f"stuck1 {monitor}bad_safety_q[4]", "the coprocessor has no safety mechanisms, or finds a fault"),
             # The bits of LOOP and BV are 1 after a reset.
-            (f"stuck1 {settings}parity_q[7]", "the test of the parity bits"),
+            (f"stuck1 {settings}parity_q[1]", "the test of the parity bits"),
             (
                 "stuck0 rtl.u_register_bank.u_state.u_bv.parity_q[0]",
                 "the coprocessor has no safety mechanisms, or finds a fault",

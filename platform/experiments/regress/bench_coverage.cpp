@@ -250,7 +250,7 @@ void Bench::cover_safety(const Nodes& n, uint32_t flags_before) {
   const uint32_t found = (flags & ~flags_before & flags_safety) >> flags_safety_shift;
   if (found == safety_parity && (unfit_ & (unfit_ - 1)) == 0)
     for (size_t i = 0; i < parity_registers.size(); ++i)
-      coverage_.hit_if(unfit_ == parity_bit(parity_registers.begin()[i]), Group::parity, i);
+      coverage_.hit_if(unfit_ == parity_bit(parity_registers[i]), Group::parity, i);
 
   const unsigned error_limit = field(safety_, safety_error_limit_mask),
                  step_limit = std::min(29u, field(safety_, safety_step_limit_mask));

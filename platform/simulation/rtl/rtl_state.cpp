@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 
 #include "coprocessor/coprocessor.h"
 #include "coprocessor/register_map.h"
@@ -34,7 +35,7 @@ struct Setting {
 constexpr Setting settings[] = {
 #define WORD(name, bits, instance, variable)
 #define WORDS(name, count, bits, instance, variable)
-#define SETTING(name, bits, instance, variable) \
+#define SETTING(name, bits) \
   {coprocessor::word_##name, coprocessor::reg_##name, &capsoc_rtl_state::name},
 #include "rtl/rtl_state.def"
 #undef WORD
@@ -280,50 +281,45 @@ bool odd(uint64_t word) {
   return __builtin_parityll(word) != 0;
 }
 
-// Registers of rtl/setting_registers.sv in the order of its parity bits, and what each bit should
-// be.
+// A register of rtl/setting_registers.sv, or one of the settings that it holds: what its parity bit
+// should be, and where that bit is.
 struct SettingParity {
   uint32_t offset;
   bool odd;
+  uint64_t capsoc_rtl_state::*bits;
+  unsigned place;
 };
-std::array<SettingParity, 13> setting_parities(const capsoc_rtl_state& r) {
-  using namespace coprocessor;
+constexpr std::size_t special_count = 3;
+std::array<SettingParity, special_count + std::size(settings)> setting_parities(
+    const capsoc_rtl_state& r) {
   bool ctrl = odd(r.ref);
   for (const Bit& bit : ctrl_bits) ctrl ^= odd(r.*bit.value);
   bool safety = false;
   for (const Bit& part : safety_fields) safety ^= odd(r.*part.value);
-  return {{{reg_ctrl, ctrl},
-           {reg_step_au, odd(r.step_au)},
-           {reg_step_bu, odd(r.step_bu)},
-           {reg_step_cu, odd(r.step_cu)},
-           {reg_step_av, odd(r.step_av)},
-           {reg_step_bv, odd(r.step_bv)},
-           {reg_step_cv, odd(r.step_cv)},
-           {reg_loop, odd(r.kp) != odd(r.ki)},
-           {reg_lock_threshold, odd(r.lock_threshold)},
-           {reg_diverge_threshold, odd(r.diverge_threshold)},
-           {reg_judge, odd(r.judge)},
-           {reg_turn_limit, odd(r.turn_limit)},
-           {reg_safety, safety}}};
+  std::array<SettingParity, special_count + std::size(settings)> parities{
+      {{coprocessor::reg_ctrl, ctrl, &capsoc_rtl_state::settings_parity, 0},
+       {coprocessor::reg_loop, odd(r.kp) != odd(r.ki), &capsoc_rtl_state::settings_parity, 1},
+       {coprocessor::reg_safety, safety, &capsoc_rtl_state::settings_parity, 2}}};
+  for (unsigned i = 0; i < std::size(settings); ++i)
+    parities[special_count + i] = {settings[i].offset, odd(r.*settings[i].value),
+                                   &capsoc_rtl_state::registers_parity, i};
+  return parities;
 }
 
 void set_parity(capsoc_rtl_state& r, uint64_t unfit) {
   const auto bad = [&](uint32_t offset) { return (unfit & coprocessor::parity_bit(offset)) != 0; };
   for (const SharedRegister& it : shared_registers)
     r.*it.parity = odd(word48(r.*it.value)) != bad(it.offset) ? 1 : 0;
-  unsigned place = 0;
   for (const SettingParity& it : setting_parities(r))
-    r.settings_parity |= uint64_t{it.odd != bad(it.offset)} << place++;
+    r.*it.bits |= uint64_t{it.odd != bad(it.offset)} << it.place;
 }
 
 uint64_t unfit_in(const capsoc_rtl_state& r) {
   uint64_t unfit = 0;
   for (const SharedRegister& it : shared_registers)
     if (odd(word48(r.*it.value)) != odd(r.*it.parity)) unfit |= coprocessor::parity_bit(it.offset);
-  unsigned place = 0;
   for (const SettingParity& it : setting_parities(r))
-    if (it.odd != odd(r.settings_parity >> place++ & 1))
-      unfit |= coprocessor::parity_bit(it.offset);
+    if (it.odd != odd(r.*it.bits >> it.place & 1)) unfit |= coprocessor::parity_bit(it.offset);
   return unfit;
 }
 

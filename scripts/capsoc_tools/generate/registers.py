@@ -2,9 +2,10 @@
 
 usage: registers DESCRIPTION.svd OUTPUT_DIRECTORY
 
-Writes capsoc_device.h (firmware, C), capsoc_registers.h (models, C++), registers.md (readers),
-capsoc_registers.json (register tests) and for the peripherals that are synthesised the model's register map
-capsoc_NAME_map.h (C++), a package capsoc_NAME_pkg.sv and the address decoder capsoc_NAME_selects.sv (SystemVerilog).
+Writes capsoc_device.h (firmware, C), capsoc_registers.h (models, C++), registers.md (readers) and
+capsoc_registers.json (register tests). A peripheral that is synthesised has the model's register map capsoc_NAME_map.h
+(C++), a package capsoc_NAME_pkg.sv and the address decoder capsoc_NAME_selects.sv (SystemVerilog). Where there are
+settings, their flip-flops are capsoc_NAME_settings.sv (SystemVerilog), and capsoc_NAME_settings.def (C) lists them.
 A file whose content would not change is left alone, so that nothing that depends on it is rebuilt.
 An error in the description ends with status 2 and one sentence that names file and line.
 """
@@ -16,6 +17,7 @@ from dataclasses import dataclass, field
 from xml.parsers import expat
 
 from capsoc_tools.generate.output import SourceError, generate
+from capsoc_tools.generate.settings import setting_error, setting_rows, sv_settings
 
 WORD_MASK = 0xFFFFFFFF
 ACCESSES = ("read-only", "read-write", "write-only")
@@ -125,6 +127,7 @@ class Peripheral:
     line: int
     results: list = field(default_factory=list)  # registers, by their number
     words: dict = field(default_factory=dict)  # register: its word in the bank's memory
+    settings: list = field(default_factory=list)  # registers that software alone writes and the hardware reads
 
 
 @dataclass
@@ -348,8 +351,8 @@ def known_register(peripheral, name, element):
 
 
 def read_hardware(element, peripherals):
-    """What only the RTL of a peripheral needs: numbers of its results, and the words of its bank's memory. A word is
-    NAME, which stands at the low five bits of its own word's number, or NAME=WORD."""
+    """What only the RTL of a peripheral needs: numbers of its results, its settings, the words of its bank's memory. A
+    word is NAME, which stands at the low five bits of its own word's number, or NAME=WORD; a setting has one, too."""
     name = element.value("peripheral")
     peripheral = next((each for each in peripherals if each.name == name), None)
     if peripheral is None:
@@ -357,18 +360,33 @@ def read_hardware(element, peripherals):
     results = element.find("results")
     if results is not None:
         peripheral.results = [known_register(peripheral, each, results) for each in results.text.split()]
-    words = element.find("words")
-    for entry in words.text.split() if words is not None else []:
+    settings = element.find("settings")
+    for register in read_words(settings, peripheral):
+        error = setting_error(register)
+        if error is not None:
+            raise SourceError(settings.line, error)
+        peripheral.settings.append(register)
+    read_words(element.find("words"), peripheral)
+
+
+def read_words(element, peripheral):
+    """Gives each register that the element names its word, and returns these registers."""
+    registers = []
+    for entry in element.text.split() if element is not None else []:
         register_name, _, place = entry.partition("=")
-        register = known_register(peripheral, register_name, words)
+        register = known_register(peripheral, register_name, element)
         word = int(place) if place.isdecimal() else register.offset // 4 % 32
         if (place and not place.isdecimal()) or word > 31:
-            raise SourceError(words.line, f"the word of '{entry}' is no number from 0 to 31")
+            raise SourceError(element.line, f"the word of '{entry}' is no number from 0 to 31")
+        if register_name in peripheral.words:
+            raise SourceError(element.line, f"{register_name} has a word already; name it once")
         if not place and word in peripheral.words.values():
             raise SourceError(
-                words.line, f"{register_name} has word {word}, which is taken; write {register_name}=WORD"
+                element.line, f"{register_name} has word {word}, which is taken; write {register_name}=WORD"
             )
         peripheral.words[register_name] = word
+        registers.append(register)
+    return registers
 
 
 def read_device(path):
@@ -588,6 +606,10 @@ def map_rules(peripheral):
     if peripheral.words:
         lines += ["", "// Words of the memory in the RTL's register bank."]
         lines += [f"inline constexpr uint32_t word_{name.lower()} = {word};" for name, word in peripheral.words.items()]
+    if peripheral.settings:
+        names = ", ".join(f"reg_{register.name.lower()}" for register in peripheral.settings)
+        lines += ["", "// Settings, in the order of their parity bits in the RTL."]
+        lines += [f"inline constexpr uint32_t settings_registers[] = {{{names}}};"]
     return lines
 
 
@@ -897,6 +919,10 @@ def texts(source):
         if peripheral.name in SYNTHESISED:
             for part, make in (("map.h", map_header), ("pkg.sv", sv_package), ("selects.sv", sv_selects)):
                 made[f"capsoc_{peripheral.name.lower()}_{part}"] = make(peripheral, source.name)
+        if peripheral.settings:
+            notice = NOTICE.format(source=source.name)
+            made[f"capsoc_{peripheral.name.lower()}_settings.sv"] = sv_settings(peripheral, notice)
+            made[f"capsoc_{peripheral.name.lower()}_settings.def"] = setting_rows(peripheral, notice)
     return made
 
 

@@ -45,7 +45,7 @@ module datapath_bench #(
 
   tick_t       tick;
   settings_t   settings;
-  steps_t      steps;
+  capsoc_coprocessor_settings_t registers;
   state_t      state, state_next;
   weights_t    weights, weights_next;
   parameters_t parameters, parameters_next;
@@ -53,9 +53,17 @@ module datapath_bench #(
   flags_t      flags;
   status_t     status;
   assign tick = {boundary_i, enter_i, cycle_i, stage_i, load_i, load_start_i};
-  assign steps = {step_au_i, step_bu_i, step_cu_i, step_av_i, step_bv_i, step_cv_i};
-  assign settings = {demod_i, calib_i, block_i, guard_i, correct_i, ref_i, kp_i, ki_i, steps, lock_threshold_i, diverge_threshold_i,
-                     32'(judge_i), turn_limit_i, 32'd0};
+  assign registers.STEP_AU = step_au_i;
+  assign registers.STEP_BU = step_bu_i;
+  assign registers.STEP_CU = step_cu_i;
+  assign registers.STEP_AV = step_av_i;
+  assign registers.STEP_BV = step_bv_i;
+  assign registers.STEP_CV = step_cv_i;
+  assign registers.LOCK_THRESHOLD = lock_threshold_i;
+  assign registers.DIVERGE_THRESHOLD = diverge_threshold_i;
+  assign registers.JUDGE = 32'(judge_i);
+  assign registers.TURN_LIMIT = turn_limit_i;
+  assign settings = {demod_i, calib_i, block_i, guard_i, correct_i, ref_i, kp_i, ki_i, registers, 32'd0};
   assign weights = {au_i, bu_i, cu_i, av_i, bv_i, cv_i};
   assign parameters = {a1_i, a2_i, b1_i, b2_i, beta_i, phi_i};
   assign state = {phase_i, freq_i, weights, parameters};

@@ -137,6 +137,7 @@ def build_library(files, folder, options=(), definitions=()):
             f"-I{include}",
             f"-I{include / 'vltstd'}",
             f"-I{ROOT / 'platform' / 'simulation'}",
+            f"-I{folder / 'generated'}",
             f"-I{HERE}",
             *units,
             "-o",
