@@ -16,6 +16,7 @@
 #include "host/files.h"
 #include "host/sha256.h"
 #include "host/temporary_folder.h"
+#include "sensor/load.h"
 #include "service/advance.h"
 #include "service/board_verbs.h"
 #include "session/checkpoints.h"
@@ -74,6 +75,12 @@ bool is_recorded_file(const run::RunSettings& settings, const Setting& setting) 
          setting.path != settings.firmware.load.about().path;
 }
 
+/// Also of the sensor that is built in.
+Result<std::string> content_of(const std::string& input) {
+  if (const auto own = sensor::built_in(input)) return std::string(*own);
+  return read_input(input, {"it is recorded with the session", SessionFile::largest, true});
+}
+
 std::optional<Error> record_settings(Board& board, SessionFile& session) {
   const run::RunSettings& settings = board.settings();
   for (const TextField* each : {&settings.firmware.load, &settings.checkpoint.restore})
@@ -84,8 +91,7 @@ std::optional<Error> record_settings(Board& board, SessionFile& session) {
     if (setting.kind == SettingKind::backend && setting.value.rfind("script:", 0) == 0)
       return Error{setting.path + ": a script is not recorded; send what it does as requests"};
     if (is_recorded_file(settings, setting)) {
-      const InputLimits limits{"it is recorded with the session", SessionFile::largest, true};
-      auto bytes = read_input(setting.value, limits);
+      auto bytes = content_of(setting.value);
       if (!bytes) return Error{bytes.error()};
       const std::string name = std::filesystem::path(setting.value).filename().string();
       session.files.push_back({setting.path, name, std::move(bytes.value())});

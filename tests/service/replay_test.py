@@ -58,6 +58,16 @@ class Replays(Replayed):
         self.assertRegex(about, "the same until 0.006.* s: 3 inputs, [12] states compared")
         self.assertRegex(self.replay("--until", "0.002")[1], "the same until 0.002.* s: 2 inputs")
 
+    def test_the_sensor_that_is_built_in(self):
+        simulation = self.construct("echo", **{"sensor.file": "built-in:soc_eq21.toml"})
+        self.advance(simulation, seconds=0.001)
+        self.session("sensor.set", simulation=simulation, parameters={"b1": 0.1})
+        self.advance(simulation, seconds=0.001)
+        self.assertEqual(self.record(simulation)["inputs"], 1)
+        self.assertRegex(self.replay()[1], "the same until 0.002 s: 1 inputs")
+        # Without the program that has it: by its content.
+        self.assertIn((TRACES / "soc_eq21.toml").read_bytes(), (self.folder / "a.session").read_bytes())
+
     def run_recorded(self, program, *options, code=0, given=b"", name="a.session"):
         """What `capsoc run --record-session` says, and the same run without it."""
         both = []
