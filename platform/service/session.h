@@ -13,6 +13,7 @@
 
 #include "base/result.h"
 #include "host/descriptor.h"
+#include "host/file_uses.h"
 #include "host/temporary_folder.h"
 #include "service/history.h"
 #include "service/message.h"
@@ -158,9 +159,12 @@ class Session {
   Simulation* simulation_of(const Request& request);
   /// Adds a worker and constructs in it; `done` gets its number, or the refusal.
   using Constructed = std::function<void(uint64_t number, Answer answer)>;
-  void start(uint64_t client, const Snapshot& from, Constructed done);
+  /// `instead_of` as in Simulation.
+  void start(uint64_t client, const Snapshot& from, Constructed done, uint64_t instead_of = 0);
   void start_with(uint64_t client, Json settings, Json parameters, Frames frames, Files files,
-                  Constructed done);
+                  Constructed done, uint64_t instead_of = 0);
+  std::optional<Error> check_outputs(const std::vector<host::FileUse>& outputs,
+                                     uint64_t instead_of) const;
   /// What starts a worker in the past, and what it is to do there.
   struct Start {
     std::shared_ptr<Seek> seek;

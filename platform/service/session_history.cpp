@@ -160,7 +160,7 @@ void Session::start_alone(Start start) {
   if (!seek->is_whole) return ask_history(std::move(start), &Session::start_alone);
   start.how["history"] = seek->history;
   start_with(start.client, seek->settings, std::move(start.how), seek->frames,
-             simulations_.at(seek->simulation)->files, std::move(start.done));
+             simulations_.at(seek->simulation)->files, std::move(start.done), seek->simulation);
   // Found again: starting one may have ended others.
   if (const auto still = simulations_.find(seek->simulation); still != simulations_.end())
     still->second->seeker = next_simulation_ - 1;

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/file_uses.h"
 #include "service/session.h"
 
 namespace capsoc::service {
@@ -44,6 +45,8 @@ struct Session::Simulation {
   uint64_t number = 0, client = 0;
   Json settings;
   Files files;  ///< that the settings name, of a recorded session; null: none
+  std::vector<host::FileUse> outputs;  ///< that the settings name
+  uint64_t instead_of = 0;  ///< the simulation whose place it may take, with its outputs; 0: none
   WorkerProcess worker;
   MessageReader reader;
   Outbox outbox;

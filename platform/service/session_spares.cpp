@@ -143,6 +143,8 @@ void Session::take_fork(Start start, WorkerProcess worker, uint64_t first) {
   Simulation& owner = *simulations_.at(seek.simulation);
   owner.seeker = number;
   added.files = owner.files;
+  added.outputs = owner.outputs;
+  added.instead_of = owner.number;
   added.pending.push_back(
       {first, construct_method, when_constructed(number, std::move(start.done))});
 }

@@ -303,10 +303,12 @@ void Session::restore(Request& request) {
     return answer(request, refuse(fmt::format("there is no snapshot {}", number)));
   ++clients_.at(request.client)->calls;
   simulation->is_replaced = true;
-  start(simulation->client, *found->second,
-        [this, request, old = simulation->number](uint64_t fresh, Answer constructed) {
-          finish_restore(request, old, fresh, std::move(constructed));
-        });
+  start(
+      simulation->client, *found->second,
+      [this, request, old = simulation->number](uint64_t fresh, Answer constructed) {
+        finish_restore(request, old, fresh, std::move(constructed));
+      },
+      simulation->number);
 }
 
 void Session::finish_restore(const Request& request, uint64_t number, uint64_t fresh,
@@ -324,6 +326,7 @@ void Session::finish_restore(const Request& request, uint64_t number, uint64_t f
     std::unique_ptr<Simulation> replacement = std::move(simulations_.at(fresh));
     simulations_.erase(fresh);
     replacement->number = number;
+    replacement->instead_of = 0;
     replacement->is_constructed = true;
     if (request.method == "simulation.restore") {
       end_worker(*found->second);  // its spare, too, which does not know the new history

@@ -9,6 +9,8 @@
 #include <iterator>
 #include <utility>
 
+#include "base/printable.h"
+#include "service/outputs.h"
 #include "service/session_parts.h"
 
 namespace capsoc::service {
@@ -26,16 +28,18 @@ std::string ending_of(int status) {
 
 }  // namespace
 
-void Session::start(uint64_t client, const Snapshot& from, Constructed done) {
-  start_with(client, from.settings, {{"held", from.held}}, from.frames, from.files,
-             std::move(done));
+void Session::start(uint64_t client, const Snapshot& from, Constructed done, uint64_t instead_of) {
+  start_with(client, from.settings, {{"held", from.held}}, from.frames, from.files, std::move(done),
+             instead_of);
 }
 
 void Session::start_with(uint64_t client, Json settings, Json parameters, Frames frames,
-                         Files files, Constructed done) {
+                         Files files, Constructed done, uint64_t instead_of) {
   if (is_full())
     return done(
         0, refuse(fmt::format("there are {} simulations already; close one", most_simulations)));
+  std::vector<host::FileUse> outputs = outputs_of(settings);
+  if (auto error = check_outputs(outputs, instead_of)) return done(0, refuse(error->text));
   auto worker = WorkerProcess::start(places_, close_others(), door_.writes_in);
   if (!worker) return done(0, refuse(worker.error()));
   const uint64_t number = next_simulation_++;
@@ -44,11 +48,28 @@ void Session::start_with(uint64_t client, Json settings, Json parameters, Frames
   simulation->client = client;
   simulation->settings = settings;
   simulation->files = std::move(files);
+  simulation->outputs = std::move(outputs);
+  simulation->instead_of = instead_of;
   simulation->worker = std::move(worker.value());
   Simulation& added = *(simulations_[number] = std::move(simulation));
   parameters["settings"] = std::move(settings);
   call(added, construct_method, std::move(parameters), std::move(frames),
        when_constructed(number, std::move(done)));
+}
+
+/// An Error if one is that of another simulation.
+std::optional<Error> Session::check_outputs(const std::vector<host::FileUse>& outputs,
+                                            uint64_t instead_of) const {
+  for (const auto& [number, other] : simulations_) {
+    const bool is_same = number == instead_of || other->instead_of == instead_of;
+    if (instead_of != 0 && is_same) continue;
+    if (const host::FileUse* const use = host::shared_output(outputs, other->outputs))
+      return Error{
+          fmt::format("{}: {} is a file that simulation {} writes; name another one, or close "
+                      "that simulation first",
+                      use->name, printable(use->path, 200), number)};
+  }
+  return std::nullopt;
 }
 
 /// Of simulations and those that are on their way out, without spares.

@@ -8,7 +8,7 @@
 namespace capsoc::service {
 namespace {
 
-Answer inject(Board& board, const Call& call) {
+Answer inject_fault(Board& board, const Call& call) {
   const std::string line = call.text("fault");
   const inject::When now{inject::When::Unit::time, sc_core::sc_time_stamp().value(), 0};
   auto fault = inject::parse_fault(line, now);
@@ -48,7 +48,7 @@ std::vector<BoardVerb> fault_verbs() {
               "as `capsoc run --inject` takes it: WHAT PLACE at WHEN [for SECONDS]; without \"at "
               "WHEN\" it begins now")},
         {{"fault", "text", "the same with its time"}}},
-       inject,
+       inject_fault,
        Effect::input},
       {{"fault.list",
         "Returns the outcomes of the faults that were injected in this simulation.",

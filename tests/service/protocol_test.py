@@ -644,6 +644,63 @@ class Hostile(Driven):
         with self.assertRaisesRegex(Refused, "names a file"):
             self.session("simulation.clone", simulation=simulation)
 
+    def refuse_output(self, simulation, **settings):
+        given = {"firmware.elf": str(FIRMWARE / "hello.elf"), **settings}
+        with self.assertRaisesRegex(Refused, f"is a file that simulation {simulation} writes; name another") as refused:
+            self.session("simulation.construct", settings=given)
+        return str(refused.exception)
+
+    def test_an_output_of_another_simulation(self):
+        (self.folder / "inside").mkdir()
+        (self.folder / "link").symlink_to("inside")
+        first = self.construct("hello", **{"trace.waves": "inside/a.fst", "uart0.backend": "file:said"})
+        self.assertIn("trace.waves: link/a.fst is", self.refuse_output(first, **{"trace.waves": "link/a.fst"}))
+        # Its own save file, and a backend's.
+        self.refuse_output(first, **{"trace.profile": "inside/a.gtkw"})
+        self.refuse_output(first, **{"uart3.backend": f"file:{self.folder}/said"})
+        self.refuse_output(first, **{"checkpoint.save": "said@0.001"})
+        second = self.construct("hello", **{"trace.waves": "b.fst", "uart0.backend": "file:/dev/null"})
+        third = self.construct("hello", **{"trace.waves": "c.fst", "uart0.backend": "file:/dev/null"})
+        for simulation in (first, second, third):
+            self.advance(simulation, seconds=0.01)
+        # Its result is there, and still it is the simulation's.
+        self.session("simulation.finish", simulation=first)
+        self.refuse_output(first, **{"trace.waves": "inside/a.fst"})
+        self.session("simulation.close", simulation=first)
+        fourth = self.construct("hello", **{"trace.waves": "inside/a.fst"})
+        self.refuse_output(fourth, **{"trace.waves": "inside/a.fst"})
+
+    def test_an_output_of_one_that_was_not_constructed(self):
+        with self.assertRaisesRegex(Refused, "nothing.elf"):
+            self.session("simulation.construct", settings={"firmware.elf": "nothing.elf", "trace.waves": "a.fst"})
+        self.construct("hello", **{"trace.waves": "a.fst"})
+
+    def test_an_output_of_a_clone(self):
+        first = self.construct("hello", **{"uart0.backend": "file:said"})
+        snapshot = self.session("simulation.snapshot", simulation=first)["snapshot"]
+        with self.assertRaisesRegex(Refused, f"uart0.backend: said is a file that simulation {first} writes"):
+            self.session("simulation.clone", simulation=first, count=2)
+        other = self.construct("hello")
+        with self.assertRaisesRegex(Refused, f"uart0.backend: said is a file that simulation {first} writes"):
+            self.session("simulation.restore", simulation=other, snapshot=snapshot)
+        # The one that is restored has its own.
+        self.session("simulation.restore", simulation=first, snapshot=snapshot)
+        self.refuse_output(first, **{"uart0.backend": "file:said"})
+        self.advance(first, seconds=0.01)
+        self.session("simulation.close", simulation=first)
+        self.session("simulation.restore", simulation=other, snapshot=snapshot)
+        self.refuse_output(other, **{"uart0.backend": "file:said"})
+
+    def test_going_back_keeps_outputs(self):
+        first = self.construct(**{"checkpoint.save": "saved@0.02"})
+        self.advance(first, seconds=0.01)
+        for _ in range(3):
+            self.session("simulation.goto", simulation=first, time_s=0.005)
+            self.refuse_output(first, **{"trace.profile": "saved"})
+        self.session("history.last_write", simulation=first, register="r3")
+        self.session("simulation.close", simulation=first)
+        self.construct("hello", **{"trace.profile": "saved"})
+
     def test_no_input_is_overwritten(self):
         program = self.folder / "program.elf"
         shutil.copy(FIRMWARE / "hello.elf", program)

@@ -98,4 +98,17 @@ std::optional<Error> check_within(const std::vector<FileUse>& uses, const std::s
   return std::nullopt;
 }
 
+const FileUse* shared_output(const std::vector<FileUse>& uses, const std::vector<FileUse>& others) {
+  const auto identity_of = [](const FileUse& use) {
+    return use.kind == FileUse::Kind::output && !use.path.empty() ? identity(use.path) : "";
+  };
+  for (const FileUse& use : uses) {
+    const std::string one = identity_of(use);
+    if (one.empty()) continue;
+    for (const FileUse& other : others)
+      if (identity_of(other) == one) return &use;
+  }
+  return nullptr;
+}
+
 }  // namespace capsoc::host

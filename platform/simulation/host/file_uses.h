@@ -27,4 +27,8 @@ std::optional<Error> check_uses(const std::vector<FileUse>& uses);
 /// sentence names the output.
 std::optional<Error> check_within(const std::vector<FileUse>& uses, const std::string& folder);
 
+/// The first of these outputs that is one of the others, by whatever names; null: there is none.
+/// The same files count as in check_uses().
+const FileUse* shared_output(const std::vector<FileUse>& uses, const std::vector<FileUse>& others);
+
 }  // namespace capsoc::host
