@@ -10,11 +10,17 @@
 namespace capsoc::service {
 namespace {
 
+/// Other clients wait meanwhile: what is longer is none that a person would write.
+constexpr std::size_t longest_text = 16384, most_outputs = 100;
+
 std::vector<host::FileUse> outputs_in(const Json& settings) {
   run::RunSettings known;
+  std::size_t length = 0;
   for (const auto& [name, value] : settings.items()) {
     const auto text = setting_text(value);
     if (name == "history_mb" || !text) continue;
+    length += text->size();
+    if (length > longest_text) return {};
     if (known.set(name, *text, SettingSource::command_line, "settings")) return {};
   }
   const bool are_named = !known.coprocessor.waves.empty();
@@ -23,6 +29,7 @@ std::vector<host::FileUse> outputs_in(const Json& settings) {
     if (use.kind == host::FileUse::Kind::output && !use.path.empty() &&
         (are_named || use.path != run::lockstep_waves(known.coprocessor)))
       outputs.push_back(std::move(use));
+  if (outputs.size() > most_outputs) outputs.resize(most_outputs);
   return outputs;
 }
 

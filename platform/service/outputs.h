@@ -9,7 +9,8 @@
 namespace capsoc::service {
 
 /// Of settings as simulation.construct has them. None of settings that are refused, and none that
-/// no setting names: the waves of a difference in lockstep.
+/// no setting names: the waves of a difference in lockstep. Of more than 16 KiB of settings none,
+/// and no more than a hundred.
 std::vector<host::FileUse> outputs_of(const Json& settings);
 
 }  // namespace capsoc::service

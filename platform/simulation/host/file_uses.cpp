@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <set>
 
 #include "base/printable.h"
 #include "host/link_target.h"
@@ -102,12 +103,12 @@ const FileUse* shared_output(const std::vector<FileUse>& uses, const std::vector
   const auto identity_of = [](const FileUse& use) {
     return use.kind == FileUse::Kind::output && !use.path.empty() ? identity(use.path) : "";
   };
-  for (const FileUse& use : uses) {
-    const std::string one = identity_of(use);
-    if (one.empty()) continue;
-    for (const FileUse& other : others)
-      if (identity_of(other) == one) return &use;
-  }
+  std::set<std::string> known;
+  if (!uses.empty())
+    for (const FileUse& other : others) known.insert(identity_of(other));
+  known.erase("");
+  for (const FileUse& use : uses)
+    if (known.count(identity_of(use)) > 0) return &use;
   return nullptr;
 }
 
