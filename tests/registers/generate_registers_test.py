@@ -154,8 +154,9 @@ class Generator(unittest.TestCase):
             [(str(int(bits) - 1), name) for name, bits in re.findall(r"SETTING\((\w+), (\d+)\)", "".join(rows))],
         )
         self.assertIn("  capsoc_coprocessor_judge_t JUDGE;\n", module)
-        # Of the reset values that have an odd number of bits, the list's last one first.
-        self.assertIn("10'b0111000000;", module)
+        # JUDGE and both thresholds reset to a word with an odd number of bits; the list's last register comes first.
+        odd = "".join(str(int(re.search(r"judge|threshold", row) is not None)) for row in reversed(rows[:-1]))
+        self.assertIn(f"{len(odd)}'b{odd};", module)
         names = ", ".join("reg_" + name for name in re.findall(r"SETTING\((\w+),", "".join(rows)))
         self.assertIn(f"settings_registers[] = {{{names}}};", self.made("capsoc_coprocessor_map.h"))
 
