@@ -1,6 +1,7 @@
 // What the report of `capsoc campaign` says next to its figures.
 #include <fmt/format.h>
 
+#include "report/fault_map.h"
 #include "report/html.h"
 #include "report/number_text.h"
 #include "report/page.h"
@@ -121,6 +122,8 @@ constexpr const char* heat_map =
 
 void add_campaign_sections(Page& page) {
   page.add("Yield", page.figures_of("campaign", "Yield") + page.of_each("campaign", yield_of));
+  if (const std::string maps = page.of_each("campaign", fault_maps_of); !maps.empty())
+    page.add("Map of the faults", maps);
   if (const std::string groups = page.of_each("campaign", groups_of); !groups.empty())
     page.add("By what", groups);
   page.add("Distributions",

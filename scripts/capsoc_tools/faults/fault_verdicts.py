@@ -72,6 +72,7 @@ def description(options):
     # TOML's texts, numbers and truth values are written as JSON's.
     lines += [f"{name} = {json.dumps(value)}" for name, value in settings.items()]
     lines += ["[repetitions]", f"count = {options.count}", 'seeds = ["fault.seed"]']
+    lines += ["[by]", 'unit = "fault.unit"', 'place = "fault.place"']
     lines += ["[limits]", *(f"{name} = {value}" for name, value in LIMITS.items())]
     return "\n".join(lines) + "\n"
 
