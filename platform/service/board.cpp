@@ -175,6 +175,7 @@ void Board::attach() {
   variables_ = std::make_unique<source::Variables>(simulation_->view().program().images());
   registers_ = std::make_unique<soc::RegisterIndex>(soc());
   events_.attach(soc());
+  activity_.attach(soc());
   events_.read_verdicts_by([this] { return verdict(); });
   soc().clock.on_change([this] {
     if (on_clock_change) on_clock_change();

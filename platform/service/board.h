@@ -16,6 +16,7 @@
 #include "host/file_uses.h"
 #include "kit/probe.h"
 #include "metrics/sample_record.h"
+#include "service/activity.h"
 #include "service/events.h"
 #include "service/history.h"
 #include "service/sensor_port.h"
@@ -80,6 +81,7 @@ class Board {
   serial::KeptStream& itm() { return kept_.itm; }
   serial::KeptStream& console() { return kept_.console; }
   Events& events() { return events_; }
+  Activity& activity() { return activity_; }
   const soc::RegisterIndex& registers() const { return *registers_; }
   source::Variables& variables() { return *variables_; }
   /// An Error as Events::subscribe() has it.
@@ -181,6 +183,7 @@ class Board {
   std::unique_ptr<soc::RegisterIndex> registers_;
   std::array<UartTap, soc::Soc::uart_count> uarts_;
   Events events_;
+  Activity activity_;
   std::deque<metrics::RecordedSample> samples_;
   uint64_t first_sample_ = 0;
   std::pair<uint64_t, uint32_t> bkpt_ = {~uint64_t{0}, 0};  // cycles and pc

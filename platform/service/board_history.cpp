@@ -109,7 +109,8 @@ Json Board::told(Frames& frames) {
   frames = std::move(answer.frames);
   return {{"outputs", std::move(known)},
           {"events", events_.subscribed()},
-          {"events_ps", events_.told().value()}};
+          {"events_ps", events_.told().value()},
+          {"activity", activity_.is_on() ? Json(activity_.window()) : Json()}};
 }
 
 std::optional<Error> Board::set_told(const Json& told, const Frames& frames) {

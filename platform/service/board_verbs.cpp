@@ -9,8 +9,9 @@ namespace capsoc::service {
 const std::vector<BoardVerb>& board_verbs() {
   static const std::vector<BoardVerb> all = [] {
     std::vector<BoardVerb> verbs;
-    for (auto of_subject : {advance_verbs(), history_verbs(), memory_verbs(), register_verbs(),
-                            port_verbs(), sensor_verbs(), fault_verbs(), debugger_verbs()})
+    for (auto of_subject :
+         {advance_verbs(), history_verbs(), memory_verbs(), register_verbs(), port_verbs(),
+          sensor_verbs(), fault_verbs(), debugger_verbs(), activity_verbs()})
       verbs.insert(verbs.end(), std::make_move_iterator(of_subject.begin()),
                    std::make_move_iterator(of_subject.end()));
     for (BoardVerb& verb : verbs)

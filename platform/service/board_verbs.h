@@ -25,6 +25,7 @@ struct BoardVerb {
   Effect effect;
 };
 
+std::vector<BoardVerb> activity_verbs();
 std::vector<BoardVerb> advance_verbs();
 std::vector<BoardVerb> memory_verbs();
 std::vector<BoardVerb> register_verbs();

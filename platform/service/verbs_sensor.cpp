@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t most_injected = 10'000'000;
 
-Answer inject(Board& board, const Call& call) {
+Answer inject_samples(Board& board, const Call& call) {
   const std::vector<double> u = call.array("u"), v = call.array("v");
   if (u.size() != v.size())
     return refuse(
@@ -131,7 +131,7 @@ std::vector<BoardVerb> sensor_verbs() {
         "then the sensor continues, which turned below them. They have no true angle.",
         {need("u", Type::array, "full scale is 1"), need("v", Type::array, "as many")},
         {}},
-       inject,
+       inject_samples,
        Effect::input},
       {{"sensor.read",
         "What is known of the sensor.",

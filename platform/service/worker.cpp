@@ -354,6 +354,8 @@ class Worker {
     board_->continue_history(std::move(*past_), begin);
     past_.reset();
     board_->mute();
+    if (const Json activity = recorded_activity(parameters); !activity.is_null())
+      board_->activity().begin(activity.get<std::size_t>());
     Advance advance(*board_);
     if (const auto goal = parameters.find("goal"); goal != parameters.end()) {
       if (parameters.contains("told"))
@@ -389,7 +391,28 @@ class Worker {
     if (parameters.contains("snapshot")) return parameters.at("snapshot").get<std::size_t>();
     const Json& goal = parameters.at("goal");
     const auto position = position_in(goal);
-    return position ? past_->before(*position) : past_->before(target_in(goal));
+    const std::size_t before = position ? past_->before(*position) : past_->before(target_in(goal));
+    return before_activity(before, recorded_activity(parameters));
+  }
+
+  /// A window of Activity that the client looks at, in a construction; null: none.
+  static Json recorded_activity(const Json& parameters) {
+    const auto told = parameters.find("told");
+    return told == parameters.end() ? Json() : told->value("activity", Json());
+  }
+
+  /// A snapshot from where the window before `snapshot` is recorded on the way; not so long ago
+  /// that the way takes long.
+  std::size_t before_activity(std::size_t snapshot, const Json& window) const {
+    constexpr uint64_t most_instructions = 20'000'000;
+    if (window.is_null()) return snapshot;
+    const uint64_t length = ActivityRecord::windows.at(window.get<std::size_t>());
+    const auto& all = past_->snapshots();
+    const Position& from = all.at(snapshot).at;
+    while (snapshot > 0 && all[snapshot].at.time_ps + length > from.time_ps &&
+           from.instructions - all[snapshot - 1].at.instructions <= most_instructions)
+      --snapshot;
+    return snapshot;
   }
 
   static std::optional<Error> go(Advance& advance, const Json& goal) {

@@ -292,6 +292,7 @@ class Logged(Past):
         "variable.list": {},
         "expression.read": {"text": "results + 1"},
         "processor.read": {},
+        "processor.activity": {"window_s": 0.1},
         "register.read": {"name": "UART0.STATE"},
         "register.list": {},
         "coprocessor.read": {},
