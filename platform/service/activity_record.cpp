@@ -88,21 +88,31 @@ ActivityRecord::Run& ActivityRecord::run_at(Level& level, uint64_t bin) const {
 }
 
 void ActivityRecord::put(Run& run, const Stretch& stretch, uint64_t ps, uint64_t begun) const {
-  run.shares.resize(static_cast<std::size_t>(__builtin_popcountll(seen_)));
+  if (const auto parts = static_cast<std::size_t>(__builtin_popcountll(seen_));
+      run.shares.size() < parts)
+    run.shares.resize(parts);
   for_bits(stretch.parts, [&](unsigned part) { run.shares[slots_[part]].ps += ps; });
   for_bits(begun, [&](unsigned part) { ++run.shares[slots_[part]].begun; });
 }
 
 void ActivityRecord::add(Level& level, uint64_t width, const Stretch& stretch) {
+  // Most are short: without a division.
+  if (level.edge != 0 && stretch.end <= level.edge)
+    return put(level.runs.back(), stretch, stretch.end - stretch.begin, stretch.begun);
   const uint64_t first = stretch.begin / width, edge = (first + 1) * width;
   put(run_at(level, first), stretch, std::min(stretch.end, edge) - stretch.begin, stretch.begun);
+  level.edge = edge;
   if (stretch.end <= edge) return;
+  level.edge = 0;
   if (const uint64_t whole = (stretch.end - edge) / width; whole > 0) {
     level.runs.push_back({first + 1, whole, {}});
     put(level.runs.back(), stretch, width, 0);
   }
-  if (const uint64_t rest = (stretch.end - edge) % width; rest > 0)
-    put(run_at(level, stretch.end / width), stretch, rest, 0);
+  if (const uint64_t rest = (stretch.end - edge) % width; rest > 0) {
+    const uint64_t last = stretch.end / width;
+    put(run_at(level, last), stretch, rest, 0);
+    level.edge = (last + 1) * width;
+  }
   const uint64_t end = level.runs.back().first + level.runs.back().count;
   while (level.runs.front().first + level.runs.front().count + bin_count < end)
     level.runs.pop_front();

@@ -69,6 +69,7 @@ class ActivityRecord {
   /// The past that is no longer in changes_, for one length of window.
   struct Level {
     uint64_t begin_ps = 0;
+    uint64_t edge = 0;  ///< end of the last bin, if more is put there; 0: nothing is
     std::deque<Run> runs;
   };
 
