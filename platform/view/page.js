@@ -197,6 +197,119 @@ function draw_curves() {
   }));
 }
 
+// ---- the time line ----
+
+const row_height = 24, axis_height = 18;
+let spot = null;   // what the pointer or the keyboard is at: {name, ps}
+let grid = null;   // where the last drawing put things
+const UNITS = [[1e12, "s"], [1e9, "ms"], [1e6, "µs"], [1e3, "ns"]];
+function duration(ps) {
+  const [size, unit] = UNITS.find(([least]) => ps >= least) || UNITS[3];
+  return `${Number((ps / size).toPrecision(6))} ${unit}`;
+}
+const at_time = (ps, digits = 9) => (ps / 1e12).toFixed(digits) + " s";
+
+/// The bars of a row: begin and end in ps, and the share of that time, 1 for a single one.
+function bars_of(row, line) {
+  const bars = [], {slices, shares} = row;
+  for (let i = 0; slices && i < slices.length; i += 2) bars.push([line.begin_ps + slices[i], line.begin_ps + slices[i] + slices[i + 1], 1]);
+  (shares || []).forEach((share, i) => { if (share) bars.push([line.begin_ps + i * line.bin_ps, Math.min(line.begin_ps + (i + 1) * line.bin_ps, line.end_ps), share / 255]); });
+  return bars;
+}
+/// The index of the bar that is nearest to a time; -1: there is none.
+function nearest(bars, ps) {
+  const apart = ([begin, end]) => ps < begin ? begin - ps : ps > end ? ps - end : 0;
+  return bars.reduce((best, bar, i) => best < 0 || apart(bar) < apart(bars[best]) ? i : best, -1);
+}
+function told_of(row, bar) {
+  const [begin, end, share] = bar;
+  if (row.slices) return `${row.name}: from ${at_time(begin)}, ${end >= grid.line.end_ps ? "until now, " : ""}${duration(end - begin)} long`;
+  const percent = share < 1.5 / 255 ? "less than 0.4" : shown(share * 100, 3);
+  return `${row.name}: ${percent} % of the ${duration(end - begin)} from ${at_time(begin, 6)}`;
+}
+const row_style = (row, handler) => colour(row.name === "asleep" ? "--mark" : row.name === "thread" ? "--line-3" : "--line-" + [1, 2, 4, 5][handler % 4]);
+function fitting(pen, text, width) {
+  let end = text.length;
+  while (end > 1 && pen.measureText(text.slice(0, end) + (end < text.length ? "…" : "")).width > width + 0.5) --end;
+  return end < text.length ? text.slice(0, end) + "…" : text;
+}
+function hatch(pen, x, y, width, height) {
+  pen.save(); pen.beginPath(); pen.rect(x, y, width, height); pen.clip();
+  pen.strokeStyle = colour("--grid"); pen.lineWidth = 1; pen.beginPath();
+  for (let at = x - height; at < x + width; at += 8) { pen.moveTo(at, y + height); pen.lineTo(at + height, y); }
+  pen.stroke(); pen.restore();
+}
+
+function draw_activity() {
+  const line = seen.activity;
+  if (!line || !line.rows) return;
+  const canvas = $("activity"), height = line.rows.length * row_height;
+  canvas.style.height = height + axis_height + "px";
+  const [pen, width] = canvas_of("activity"), text = colour("--text"), soft = colour("--soft");
+  const widest = Math.min(Math.max(...line.rows.map((row) => pen.measureText(row.name).width)), width * 0.3), left = Math.ceil(widest) + 8;
+  const first = line.begin_ps, all = Math.max(line.window_s * 1e12, line.end_ps - first);
+  const px = (ps) => left + Math.max(0, ps - first) / all * (width - left - 1);
+  const own = line.rows.filter((row) => row.exception === null).length;
+  grid = {line, rows: line.rows.map((row, i) => ({row, bars: bars_of(row, line), style: row_style(row, i - own)})),
+    ps: (x) => first + (x - left) / (width - left - 1) * all, one: all / (width - left - 1), height};
+  if (line.known_ps > first) hatch(pen, left, 0, px(line.known_ps) - left, height);
+  pen.textBaseline = "middle"; pen.lineWidth = 1;
+  grid.rows.forEach(({row, bars, style}, i) => {
+    const bottom = (i + 1) * row_height - 3, most = row_height - 6;
+    pen.strokeStyle = colour("--grid"); pen.beginPath(); pen.moveTo(left, bottom + 0.5); pen.lineTo(px(line.end_ps), bottom + 0.5); pen.stroke();
+    pen.fillStyle = text; pen.textAlign = "left"; pen.fillText(fitting(pen, row.name, widest), 0, bottom - most / 2);
+    pen.fillStyle = style;
+    for (const [begin, end, share] of bars) {
+      const tall = Math.max(2, share * most), edge = row.slices ? px : (ps) => Math.round(px(ps));
+      pen.fillRect(edge(begin), bottom - tall, Math.max(1, edge(end) - edge(begin)), tall);
+    }
+  });
+  pen.fillStyle = soft; pen.textBaseline = "alphabetic";
+  const digits = Math.max(1, Math.ceil(2 - Math.log10(line.window_s)));
+  for (const [share, side] of [[0, "left"], [0.5, "center"], [1, "right"]]) {
+    pen.textAlign = side; pen.fillText(at_time(first + share * all, digits), left + share * (width - left - 1), height + axis_height - 4);
+  }
+  write_moment(pen, px);
+  rows("parts", line.rows.map((row) => [row.name, `${shown(row.share * 100, 3)} %`, String(row.begun)]));
+  canvas.dataset.window = line.window_s;
+  if (document.activeElement !== $("window")) $("window").value = String(line.window_s);
+}
+
+/// What is at the spot, with a frame around it.
+function write_moment(pen, px) {
+  const i = spot ? grid.rows.findIndex((each) => each.row.name === spot.name) : -1;
+  const bars = i < 0 ? [] : grid.rows[i].bars, at = i < 0 ? -1 : nearest(bars, spot.ps);
+  if (at < 0) { set("moment", i >= 0 ? `${spot.name}: not in this window` : "Point at a bar, or move with the arrow keys."); return; }
+  const [begin, end] = bars[at];
+  pen.strokeStyle = colour("--text"); pen.lineWidth = 1.5;
+  pen.strokeRect(px(begin) - 1.5, i * row_height + 1.5, Math.max(1, px(end) - px(begin)) + 3, row_height - 3);
+  set("moment", told_of(grid.rows[i].row, bars[at]));
+}
+
+function point_at(event) {
+  if (!grid) return;
+  const box = $("activity").getBoundingClientRect(), row = grid.rows[Math.floor((event.clientY - box.top) / row_height)];
+  const ps = grid.ps(event.clientX - box.left), i = row ? nearest(row.bars, ps) : -1;
+  const close = i >= 0 && row.bars[i][0] - ps < 5 * grid.one && ps - row.bars[i][1] < 5 * grid.one;
+  spot = close ? {name: row.row.name, ps: (row.bars[i][0] + row.bars[i][1]) / 2} : null;
+  draw_soon();
+}
+
+/// Arrow keys: along a row, or to the nearest bar of another one.
+function move_spot(event) {
+  const keys = {ArrowLeft: [0, -1], ArrowRight: [0, 1], ArrowUp: [-1, 0], ArrowDown: [1, 0], Home: [0, -Infinity], End: [0, Infinity]};
+  const move = keys[event.key];
+  if (!move || !grid || event.ctrlKey || event.altKey || event.metaKey) return;
+  event.preventDefault();
+  let i = Math.max(0, grid.rows.findIndex((each) => spot && each.row.name === spot.name));
+  const ps = spot ? spot.ps : grid.line.end_ps, was_there = spot !== null;
+  i = Math.min(Math.max(0, i + move[0]), grid.rows.length - 1);
+  const {row, bars} = grid.rows[i], at = nearest(bars, ps);
+  const next = Math.min(Math.max(0, at + (was_there || !Number.isFinite(move[1]) ? move[1] : 0)), bars.length - 1);
+  spot = {name: row.name, ps: bars.length ? (bars[next][0] + bars[next][1]) / 2 : ps};
+  draw_soon();
+}
+
 // ---- texts ----
 
 function set(id, text) { const node = typeof id === "string" ? $(id) : id; if (node.textContent !== text) node.textContent = text; }
@@ -271,7 +384,7 @@ function write_story() {
 function draw() {
   dirty = false;
   write_story();
-  write_texts(); write_verdict(); draw_signals(); draw_curves();
+  write_texts(); write_verdict(); draw_signals(); draw_curves(); draw_activity();
   document.documentElement.dataset.mode = seen.mode || "";
   document.documentElement.dataset.command = seen.command || 0;
 }
@@ -289,6 +402,10 @@ $("end").onclick = () => tell("end");
 $("reset").onclick = () => tell("reset");
 $("speed").onchange = () => tell("speed", {factor: Number($("speed").value)});
 $("past").onchange = () => tell("goto", {time_s: Number($("past").value)});
+$("window").onchange = () => tell("activity", {window_s: Number($("window").value)});
+$("activity").onpointermove = $("activity").onpointerdown = point_at;
+$("activity").onkeydown = move_spot;
+$("activity").onpointerleave = $("activity").onblur = () => { spot = null; draw_soon(); };
 $("uart").onchange = draw_soon;
 $("peripheral").onchange = () => tell("registers", {peripheral: $("peripheral").value});
 $("send").onsubmit = (event) => {

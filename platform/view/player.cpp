@@ -206,10 +206,25 @@ std::string Player::set_speed(const Json& body) {
   return "";
 }
 
+/// The record of a run that stands is made longer by going where it stands: what is on the way is
+/// recorded.
+std::string Player::set_window(const Json& body) {
+  const auto window = body.find("window_s");
+  if (window == body.end() || !window->is_number() || !(window->get<double>() > 0))
+    return "activity: give \"window_s\": 0.001, 0.01, 0.1, 1, 10 or 100";
+  if (std::string refusal = scene_.show_window(*window); !refusal.empty()) return refusal;
+  if (status_.mode == "running" || status_.mode == "waiting" || !scene_.lacks_past()) return "";
+  const Answer answer =
+      session_.ask("simulation.goto", {{"time_ps", scene_.state().at("time_ps")}});
+  if (answer.ok()) scene_.moved();
+  return answer.sentence;
+}
+
 /// Null text: done. A sentence: refused.
 std::string Player::obey_transport(const std::string& what, const Json& body) {
   if (what == "goto") return obey_goto(body);
   if (what == "speed") return set_speed(body);
+  if (what == "activity") return set_window(body);
   if (what == "sample") return step({{"samples", 1}, {"within_s", 60}}, "one sample");
   if (what == "pause") {
     if (status_.mode != "over") stop("paused", "");
@@ -227,7 +242,8 @@ std::string Player::obey_transport(const std::string& what, const Json& body) {
 }
 
 void Player::obey(const Command& command) {
-  static const std::string transport[] = {"pause", "run", "speed", "sample", "turn", "goto"};
+  static const std::string transport[] = {"pause", "run",  "speed",   "sample",
+                                          "turn",  "goto", "activity"};
   const auto what = command.body.at("do").get<std::string>();
   std::optional<std::string> refusal;
   if (what == "end") {

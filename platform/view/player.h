@@ -30,6 +30,7 @@ class Player {
   std::string obey_transport(const std::string& what, const Json& body);
   std::string obey_goto(const Json& body);
   std::string set_speed(const Json& body);
+  std::string set_window(const Json& body);
   void play();
   void play_paced();
   void play_at_once();

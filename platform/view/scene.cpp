@@ -95,13 +95,27 @@ void Scene::read_registers() {
                             {"fields", answers[i].result.value("fields", Json::object())}});
 }
 
+service::RunSession::Questions::value_type Scene::activity() const {
+  return {"processor.activity", {{"window_s", time_line_.window_s()}}};
+}
+
+std::string Scene::show_window(double seconds) {
+  const double before = time_line_.window_s();
+  time_line_.set_window(seconds);
+  const service::Answer answer = session_.ask_all({activity()}).front();
+  if (!answer.ok()) time_line_.set_window(before);
+  time_line_.take(answer);
+  return answer.sentence;
+}
+
 void Scene::look(const Status& status) {
   session_.show();
   const auto answers = session_.ask_all({{"simulation.state", Json::object()},
                                          {"history.when", Json::object()},
                                          {"coprocessor.read", Json::object()},
                                          {"register.read", {{"name", "COPROCESSOR.STATUS"}}},
-                                         {"register.read", {{"name", "COPROCESSOR.FLAGS"}}}});
+                                         {"register.read", {{"name", "COPROCESSOR.FLAGS"}}},
+                                         activity()});
   if (!answers[0].ok()) return;
   state_ = answers[0].result.at("state");
   place_ = status.mode == "running" ? Json() : answers[0].result.value("place", Json());
@@ -112,6 +126,7 @@ void Scene::look(const Status& status) {
   coprocessor_ = answers[2].ok() ? answers[2].result.at("signals") : Json();
   status_register_ = result_of(answers[3]);
   flags_register_ = result_of(answers[4]);
+  time_line_.take(answers[5]);
   if (is_moved_) sensor_ = result_of(session_.ask("sensor.read"));
   read_samples();
   if (status.mode != "running" || Clock::now() - registers_read_ > between_registers)
@@ -126,7 +141,7 @@ Json Scene::update(const Status& status) {
       {"history", history_},        {"sensor", sensor_},        {"coprocessor", coprocessor_},
       {"status", status_register_}, {"flags", flags_register_}, {"place", place_},
       {"peripheral", peripheral_},  {"registers", registers_},  {"said", said_},
-      {"text", new_text_},          {"story", status.story}};
+      {"text", new_text_},          {"story", status.story},    {"activity", time_line_.shown()}};
   return object;
 }
 

@@ -10,6 +10,7 @@
 #include "service/run_session.h"
 #include "view/curves.h"
 #include "view/hub.h"
+#include "view/time_line.h"
 
 namespace capsoc::view {
 
@@ -37,6 +38,10 @@ class Scene {
   void moved();
   /// A peripheral by its SVD name. False: there is none.
   bool show_registers(const std::string& peripheral);
+  /// How much of the past the time line shows. A sentence: it is refused.
+  std::string show_window(double seconds);
+  /// Of which the record has not all that the history has.
+  bool lacks_past() const { return time_line_.lacks(history_.value("beginning_s", 0.0)); }
   /// A sentence for the pages, with the next frame.
   void say(const std::string& sentence) { said_.push_back(sentence); }
 
@@ -52,6 +57,7 @@ class Scene {
   using Clock = std::chrono::steady_clock;
 
   void look(const Status& status);
+  service::RunSession::Questions::value_type activity() const;
   void read_samples();
   void read_registers();
   Json update(const Status& status);
@@ -59,6 +65,7 @@ class Scene {
 
   service::RunSession& session_;
   Curves curves_;
+  TimeLine time_line_;
   uint64_t next_sample_ = 0;
   Json state_ = Json::object(), sensor_, history_, coprocessor_, status_register_, flags_register_;
   Json place_, registers_ = Json::array();

@@ -14,6 +14,8 @@ ELEMENT = "element-6066-11e4-a52e-4f735466cecf"  # WebDriver's name for a refere
 KEYS = {
     "ArrowRight": "\ue014",
     "ArrowLeft": "\ue012",
+    "ArrowUp": "\ue013",
+    "ArrowDown": "\ue015",
     "Home": "\ue011",
     "End": "\ue010",
     "Tab": "\ue004",

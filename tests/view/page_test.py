@@ -7,6 +7,7 @@ import unittest
 
 from capsoc_tools import browser
 from harness import FIRMWARE
+from processor_times import processor_times
 from view_case import Events, ViewCase
 
 CTEST = {"name": "view: page", "timeout": 300}
@@ -21,6 +22,16 @@ let count = 0;
 for (let i = 3; i < pixels.length; i += 4) count += pixels[i] > 0;
 return count;
 """
+
+
+def told(name, begin, end, now):
+    """The page's sentence about a bar, times in ps."""
+    length, size, unit = end - begin, 1000, "ns"
+    for size, unit in ((10**12, "s"), (10**9, "ms"), (10**6, "\u00b5s"), (1000, "ns")):
+        if length >= size:
+            break
+    until = "until now, " if end == now else ""
+    return f"{name}: from {begin / 1e12:.9f} s, {until}{float(f'{length / size:.6g}'):g} {unit} long"
 
 
 class Page(ViewCase):
@@ -100,6 +111,144 @@ class Page(ViewCase):
         view.process.communicate(timeout=60)
         self.assertEqual(view.process.returncode, 0)
 
+    def parts(self):
+        """The table below the time line: name, share and times begun."""
+        return self.browser.run(
+            """return [...document.querySelectorAll('#parts tbody tr')]
+            .map((row) => [...row.cells].map((cell) => cell.textContent))"""
+        )
+
+    def window(self, name):
+        """Chosen by keyboard."""
+        self.press("window", *name)
+        wanted = f"return document.getElementById('window').selectedOptions[0].text === '{name}'"
+        self.browser.wait(wanted, f"{name} is chosen")
+        seconds = {"1 ms": 0.001, "10 ms": 0.01, "100 ms": 0.1, "1 s": 1, "10 s": 10}[name]
+        self.browser.wait(
+            f"return document.getElementById('activity').dataset.window === '{seconds}'", f"{name} is shown"
+        )
+
+    def read_bars(self, row, bars, now):
+        """Each bar of a row, from the first to the last, by keyboard."""
+        self.press("activity", *["ArrowUp"] * 40, *["ArrowDown"] * row, "Home")
+        for name, begin, end in bars:
+            wanted = told(name, begin, end, now)
+            self.browser.wait(
+                f"return document.getElementById('moment').textContent === '{wanted}'",
+                f"{wanted!r}; it says {self.text('moment')!r}",
+                5,
+            )
+            self.browser.press("ArrowRight")
+        self.browser.press("End")
+        self.browser.wait(f"return document.getElementById('moment').textContent === '{wanted}'", "it is the last", 5)
+
+    def times_of_run(self, program, until_ps, *options):
+        """By another process: a run with --timeline."""
+        file = self.folder / "timeline.json"
+        self.start("run", program, "--timeline", file, *options).communicate(timeout=120)
+        return processor_times(file, until_ps)
+
+    def compare_rows(self, times, begin, now):
+        """Every bar of every row in a window, read by keyboard, with another run's times."""
+        there = {name: [(at, to) for at, to in each if to > begin] for name, each in times.items()}
+        shown = [row for row in self.parts() if row[1] != "0 %"]
+        self.assertEqual({row[0] for row in shown}, {name for name, bars in there.items() if bars})
+        for number, (name, share, begun) in enumerate(self.parts()):
+            bars = there.get(name, [])
+            busy = sum(to - max(at, begin) for at, to in bars)
+            self.assertAlmostEqual(float(share.removesuffix(" %")), 100 * busy / (now - begin), delta=0.06)
+            self.assertEqual(int(begun), sum(at >= begin and at > 0 for at, _ in bars), name)
+            if bars:
+                self.read_bars(number, [(name, *bar) for bar in bars], now)
+
+    def test_the_time_line_of_the_main_job(self):
+        view = self.view("--uart0", "null")
+        self.open(view)
+        self.mode("over")
+        self.assertEqual([row[0] for row in self.parts()], ["asleep", "thread", "uart0 tx", "coprocessor"])
+        whole = self.painted("activity")
+        events = Events(view)
+        view.do(events, "goto", time_s=1.0051)
+        self.mode("paused")
+        self.window("10 ms")
+        frame = Events(view).next()[1]
+        now, begin = frame["state"]["time_ps"], frame["activity"]["begin_ps"]
+        times = self.times_of_run(FIRMWARE / "selfcal.elf", now, "--uart0", "null", "--simlimit", "1.2")
+        self.assertGreater(len(times["coprocessor"]), 200)
+        self.compare_rows(times, begin, now)
+        painted = self.painted("activity")
+        self.assertGreater(painted, 5000)
+        # A long window has shares: of each handler alone the width would be a hundredth of a pixel.
+        self.window("10 s")
+        self.press("activity", *["ArrowUp"] * 5, "End")
+        self.assertRegex(self.text("moment"), r"^asleep: [\d.]+ % of the [\d.]+ ms from [\d.]+ s$")
+        self.press("activity", *["ArrowDown"] * 5, "End")
+        self.assertRegex(self.text("moment"), r"^coprocessor: less than 0.4 % of the [\d.]+ ms from [\d.]+ s$")
+        self.assertNotEqual(self.painted("activity"), whole)
+        self.check_clean(view)
+
+    def test_the_time_line_of_several_interrupts(self):
+        """And what was after an instant is gone after going back to it."""
+        view = self.view(FIRMWARE / "board.elf")
+        self.open(view)
+        self.mode("over")
+        now = Events(view).next()[1]["state"]["time_ps"]
+        times = self.times_of_run(FIRMWARE / "board.elf", now)
+        self.assertEqual(times.keys(), {"asleep", "thread", "NMI", "dual_timer"})
+        names = [row[0] for row in self.parts()]
+        self.assertEqual(names, ["asleep", "thread", "NMI", "dual_timer"])
+        self.compare_rows(times, 0, now)
+        events = Events(view)
+        first = {name: min(at for at, _ in each) for name, each in times.items()}
+        self.assertLess(first["dual_timer"], first["NMI"])
+        for until, left in (
+            (first["NMI"] - 1_000_000, ["asleep", "thread", "dual_timer"]),
+            (first["asleep"] - 1_000_000, ["thread"]),
+        ):
+            at = view.do(events, "goto", time_s=until / 1e12)["state"]["time_ps"]
+            self.browser.wait("return document.documentElement.dataset.mode === 'paused'", "it is there")
+            wanted = f"return document.querySelectorAll('#parts tbody tr').length === {len(left)}"
+            self.browser.wait(wanted, "the later rows are gone")
+            self.assertEqual([row[0] for row in self.parts()], left)
+            until_then = {
+                name: [(begin, min(end, at)) for begin, end in each if begin < at] for name, each in times.items()
+            }
+            self.compare_rows(until_then, 0, at)
+        view.do(events, "run")
+        self.mode("over")
+        self.browser.wait("return document.querySelectorAll('#parts tbody tr').length === 4", "they are back")
+        self.check_clean(view)
+
+    def test_pointing_at_the_time_line(self):
+        view = self.view(FIRMWARE / "board.elf")
+        self.open(view)
+        self.mode("over")
+        self.press("activity", "ArrowUp")
+        asleep = self.text("moment")
+        self.assertIn("asleep: from", asleep)
+        # The frame of the keyboard goes with the focus; that of the pointer with the pointer.
+        self.browser.run("document.activeElement.blur(); document.getElementById('activity').scrollIntoView()")
+        for row, name in enumerate(("asleep", "thread", "NMI", "dual_timer")):
+            x, y = self.browser.run(
+                """const box = document.getElementById('activity').getBoundingClientRect();
+                scrollBy(0, box.top - 300);
+                const there = document.getElementById('activity').getBoundingClientRect();
+                return [there.left, there.top];"""
+            )
+            self.browser.wait("return document.getElementById('moment').textContent.startsWith('Point')", "nothing")
+            found = False
+            for step in range(100, 700, 4):
+                self.browser.point_at(x + step, y + 24 * row + 12)
+                if found := re.match(rf"{name}: from [\d.]+ s, [\d.]+ \S?s long", self.text("moment")):
+                    break
+            self.assertTrue(found, name)
+            self.browser.point_at(x + 10, y - 60)
+        nodes = self.browser.accessibility_tree()
+        mine = [n for n in nodes if n.get("role", {}).get("value") == "application"]
+        self.assertEqual(len(mine), 1)
+        self.assertIn("Left and right arrows", mine[0]["name"]["value"])
+        self.check_clean(view)
+
     def test_a_story(self):
         view = self.view("--story", "flipped-bit", "--realtime", "0", command="view")
         self.open(view)
@@ -178,6 +327,7 @@ class Page(ViewCase):
                 )
                 self.assertEqual((wide, outside), (width, []), (width, dark))
                 self.assertGreater(self.painted("parameters"), 800)
+                self.assertGreater(self.painted("activity"), 4 * width)
             backs.add(self.browser.run("return getComputedStyle(document.body).backgroundColor"))
         self.assertEqual(backs, {"rgb(255, 255, 255)", "rgb(18, 22, 27)"})
         self.check_clean(view)

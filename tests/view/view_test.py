@@ -4,6 +4,7 @@
 The oracle is the same run without a page, and `capsoc replay` of what was recorded.
 """
 
+import json
 import os
 import socket
 import time
@@ -138,6 +139,9 @@ class Door(ViewCase):
             ("uart", {}, "uart"),
             ("button", {}, "button"),
             ("registers", {"peripheral": []}, "no such peripheral"),
+            ("activity", {}, "activity: give"),
+            ("activity", {"window_s": 0}, "activity: give"),
+            ("activity", {"window_s": 0.5}, "window_s is 0.001, 0.01"),
         ):
             with self.subTest(what=what, more=more):
                 said = view.do(events, what, **more)["said"]
@@ -207,6 +211,46 @@ class Told(ViewCase):
         pace = (frames[-1]["state"]["time_s"] - first) / (time.monotonic() - begin)
         self.assertTrue(10 < pace < 30, pace)
         self.assertGreater(len(frames), 5)
+
+    def test_the_time_line_is_bounded(self):
+        """Of a program with thousands of handlers a millisecond, in windows of any length."""
+        view = self.view(FIRMWARE / "bench_interrupts.elf", "--simlimit", "0.3")
+        events = Events(view)
+        for window in (0.001, 0.01, 0.1, 1, 10, 100):
+            frame = view.do(events, "activity", window_s=window)
+            self.assertEqual((frame["said"], frame["activity"]["window_s"]), ([], window))
+            self.assertLess(len(json.dumps(frame["activity"], separators=(",", ":"))), 64 * 1024)
+        if frame["mode"] != "over":
+            events.until(lambda frame: frame["mode"] == "over")
+        for window in (100, 0.1, 0.001):
+            activity = view.do(events, "activity", window_s=window)["activity"]
+            self.assertLess(len(json.dumps(activity, separators=(",", ":"))), 64 * 1024)
+            self.assertEqual(activity["end_ps"], 300_000_000_000)
+            self.assertGreater(len(activity["rows"]), 30)
+            self.assertEqual("shares" in activity["rows"][0], window > 0.001)
+        view.end()
+
+    def test_the_time_line_after_going_back(self):
+        """What was before is there although it was recorded nowhere; what was after is not."""
+        view = self.view("--uart0", "null")
+        events = Events(view)
+        frame = events.until(lambda frame: frame["mode"] == "over")[-1]
+        self.assertEqual([row["name"] for row in frame["activity"]["rows"]][-1], "coprocessor")
+        frame = view.do(events, "activity", window_s=100)
+        self.assertEqual((frame["mode"], frame["said"]), ("over", []))
+        for time_s, window in ((200, 10), (100.0005, 0.1), (0.009, 1), (150, 1)):
+            view.do(events, "goto", time_s=time_s)
+            frame = view.do(events, "activity", window_s=window)
+            activity = frame["activity"]
+            self.assertEqual((frame["mode"], activity["end_ps"]), ("paused", frame["state"]["time_ps"]))
+            self.assertEqual(activity["known_ps"], activity["begin_ps"])
+            begun = {row["name"]: row["begun"] for row in activity["rows"]}
+            if time_s < 1:
+                self.assertEqual(list(begun), ["thread"])
+            else:
+                samples = (activity["end_ps"] - activity["begin_ps"]) / 4e9
+                self.assertAlmostEqual(begun["coprocessor"], samples, delta=1.1)
+        view.end()
 
     def test_a_page_that_does_not_read(self):
         view = self.view("--uart0", "null", "--realtime", "100000")
