@@ -141,7 +141,7 @@ class Page(ViewCase):
             wanted = told(name, begin, end, now)
             self.browser.wait(
                 f"return document.getElementById('moment').textContent === '{wanted}'",
-                f"{wanted!r}; it says {self.text('moment')!r}",
+                f"{wanted!r}",
                 5,
             )
             self.browser.press("ArrowRight")
