@@ -130,21 +130,38 @@ ActivityRecord::View ActivityRecord::view(std::size_t window, uint64_t now_ps) c
   const Level& level = levels_[window];
   const bool is_covered = level.runs.empty() || changes_.front().ps <= view.begin_ps;
   view.known_ps = std::max(view.begin_ps, is_covered ? changes_.front().ps : level.begin_ps);
-  view.has_slices = is_covered && slice(view);
+  const std::size_t begin = first_in(view.begin_ps);
+  view.has_slices = is_covered && slice(view, begin);
   if (!view.has_slices) {
     for (Row& row : view.rows) row.bins.assign(bin_count, 0);
     if (!is_covered) spread(view, level);
   }
-  for (std::size_t i = 0; i < changes_.size(); ++i)
-    spread(view, stretch(i, i == 0 ? before_ : changes_[i - 1].parts, view.end_ps));
+  for (std::size_t i = begin; i < changes_.size(); ++i)
+    spread(view, stretch(i, before(i), view.end_ps));
   std::sort(view.rows.begin(), view.rows.end(),
             [](const Row& a, const Row& b) { return a.part < b.part; });
   return view;
 }
 
+/// The last change at or before a time; the first one if none is.
+std::size_t ActivityRecord::first_in(uint64_t begin_ps) const {
+  const auto after =
+      std::upper_bound(changes_.begin(), changes_.end(), begin_ps,
+                       [](uint64_t ps, const Change& change) { return ps < change.ps; });
+  const auto index = static_cast<std::size_t>(after - changes_.begin());
+  return index - std::min<std::size_t>(index, 1);
+}
+
 /// False: there are too many.
-bool ActivityRecord::slice(View& view) const {
+bool ActivityRecord::slice(View& view, std::size_t first) const {
   std::array<uint64_t, part_count> since = since_;
+  // What lasts at the first change has perhaps begun long before.
+  uint64_t sought = before(first);
+  for (std::size_t i = first; i-- > 0 && sought != 0;) {
+    for_bits(sought & begun(changes_[i], before(i)),
+             [&](unsigned part) { since[part] = changes_[i].ps; });
+    sought &= ~begun(changes_[i], before(i));
+  }
   std::size_t count = 0;
   const auto close = [&](uint64_t parts, uint64_t ps) {
     for_bits(parts, [&](unsigned part) {
@@ -152,14 +169,13 @@ bool ActivityRecord::slice(View& view) const {
       if (++count <= most_slices) row(view, part).slices.emplace_back(since[part], ps);
     });
   };
-  uint64_t before = before_;
-  for (const Change& each : changes_) {
-    const uint64_t begins = begun(each, before);
-    close(before & (~each.parts | begins), each.ps);
+  for (std::size_t i = first; i < changes_.size(); ++i) {
+    const Change& each = changes_[i];
+    const uint64_t begins = begun(each, before(i));
+    close(before(i) & (~each.parts | begins), each.ps);
     for_bits(begins, [&](unsigned part) { since[part] = each.ps; });
-    before = each.parts;
   }
-  close(before, view.end_ps);
+  close(changes_.back().parts, view.end_ps);
   if (count <= most_slices) return true;
   for (Row& row : view.rows) row.slices.clear();
   return false;

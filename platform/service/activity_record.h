@@ -80,7 +80,11 @@ class ActivityRecord {
   void add(Level& level, uint64_t width, const Stretch& stretch);
   Run& run_at(Level& level, uint64_t bin) const;
   void put(Run& run, const Stretch& stretch, uint64_t ps, uint64_t begun) const;
-  bool slice(View& view) const;
+  std::size_t first_in(uint64_t begin_ps) const;
+  uint64_t before(std::size_t index) const {
+    return index == 0 ? before_ : changes_[index - 1].parts;
+  }
+  bool slice(View& view, std::size_t first) const;
   void spread(View& view, const Level& level) const;
   void spread(View& view, const Stretch& stretch) const;
   Row& row(View& view, unsigned part) const { return view.rows[slots_[part]]; }
