@@ -15,9 +15,9 @@ namespace {
 /// The worst first; the style sheet has a colour for each.
 constexpr std::array<const char*, 8> verdicts = {"silent",   "crashed", "hung",   "wrong",
                                                  "detected", "latent",  "masked", "others"};
-constexpr double width = 1000, height = 420;
-/// Of one character of a name, and of its line.
-constexpr double character = 6.4, line = 14;
+constexpr double map_width = 1000, map_height = 420;
+/// Room for a name.
+constexpr double of_character = 6.4, of_line = 14;
 /// Beyond it the smallest ones are one rectangle.
 constexpr std::size_t most_places = 300;
 
@@ -73,7 +73,7 @@ class Layout {
   explicit Layout(const std::vector<Place>& places) : places_(places) {
     const double all = std::accumulate(places.begin(), places.end(), 0.0,
                                        [](double sum, const Place& p) { return sum + p.faults; });
-    scale_ = width * height / all;
+    scale_ = map_width * map_height / all;
     for (std::size_t first = 0; first < places.size();) first = take_row(first);
   }
 
@@ -112,7 +112,7 @@ class Layout {
 
   const std::vector<Place>& places_;
   double scale_ = 1;
-  Rectangle free_{0, 0, width, height};
+  Rectangle free_{0, 0, map_width, map_height};
   std::vector<Rectangle> rectangles_;
 };
 
@@ -140,8 +140,8 @@ std::string drawing_of(const Place& place, const Rectangle& r) {
                      r.x, r.y, r.width, r.height);
   const std::size_t dot = place.name.rfind('.');
   const std::string name = dot == std::string::npos ? place.name : place.name.substr(dot + 1);
-  if (r.height > line && r.width > character * static_cast<double>(name.size() + 1))
-    out += fmt::format(R"(<text x="{:.2f}" y="{:.2f}">{}</text>)", r.x + 4, r.y + line - 2,
+  if (r.height > of_line && r.width > of_character * static_cast<double>(name.size() + 1))
+    out += fmt::format(R"(<text x="{:.2f}" y="{:.2f}">{}</text>)", r.x + 4, r.y + of_line - 2,
                        escaped(name));
   return out + "</g>\n";
 }
@@ -167,7 +167,7 @@ std::string map_of(const Json& by) {
       "<figcaption>Injected faults by {}. An area counts faults, which are drawn in proportion to "
       "bits, and is divided by their verdicts; point at it for its numbers. The table has them, "
       "too.</figcaption></figure>\n",
-      width, height, escaped(sentence_of(all)), drawing, legend, escaped(name));
+      map_width, map_height, escaped(sentence_of(all)), drawing, legend, escaped(name));
 }
 
 }  // namespace
