@@ -13,8 +13,8 @@ namespace capsoc::report {
 namespace {
 
 /// The worst first; the style sheet has a colour for each.
-constexpr std::array<const char*, 8> verdicts = {"silent",   "crashed", "hung",   "wrong",
-                                                 "detected", "latent",  "masked", "others"};
+constexpr std::array<const char*, 8> fault_verdicts = {"silent",   "crashed", "hung",   "wrong",
+                                                       "detected", "latent",  "masked", "others"};
 constexpr double map_width = 1000, map_height = 420;
 /// Room for a name.
 constexpr double of_character = 6.4, of_line = 14;
@@ -24,11 +24,11 @@ constexpr std::size_t most_places = 300;
 struct Place {
   std::string name;
   double faults = 0;
-  std::array<double, verdicts.size()> by_verdict{};
+  std::array<double, fault_verdicts.size()> by_verdict{};
 
   void add(const Place& other) {
     faults += other.faults;
-    for (std::size_t i = 0; i < verdicts.size(); ++i) by_verdict[i] += other.by_verdict[i];
+    for (std::size_t i = 0; i < fault_verdicts.size(); ++i) by_verdict[i] += other.by_verdict[i];
   }
 };
 
@@ -40,8 +40,8 @@ struct Rectangle {
 std::size_t verdict_of(const std::string& exit) {
   const std::size_t colon = exit.find(": ");
   const std::string word = colon == std::string::npos ? exit : exit.substr(colon + 2);
-  const auto found = std::find(verdicts.begin(), verdicts.end() - 1, word);
-  return static_cast<std::size_t>(found - verdicts.begin());
+  const auto found = std::find(fault_verdicts.begin(), fault_verdicts.end() - 1, word);
+  return static_cast<std::size_t>(found - fault_verdicts.begin());
 }
 
 /// The largest first; at the end what is too small to be seen, together.
@@ -118,9 +118,9 @@ class Layout {
 
 std::string sentence_of(const Place& place) {
   std::string text = fmt::format("{}: {:.0f} faults", place.name, place.faults);
-  for (std::size_t i = 0; i < verdicts.size(); ++i)
+  for (std::size_t i = 0; i < fault_verdicts.size(); ++i)
     if (place.by_verdict[i] > 0)
-      text += fmt::format(", {} {:.0f}", verdicts[i], place.by_verdict[i]);
+      text += fmt::format(", {} {:.0f}", fault_verdicts[i], place.by_verdict[i]);
   return text;
 }
 
@@ -128,12 +128,12 @@ std::string sentence_of(const Place& place) {
 std::string drawing_of(const Place& place, const Rectangle& r) {
   std::string out = fmt::format("<g><title>{}</title>", escaped(sentence_of(place)));
   double x = r.x;
-  for (std::size_t i = 0; i < verdicts.size(); ++i) {
+  for (std::size_t i = 0; i < fault_verdicts.size(); ++i) {
     const double part = r.width * place.by_verdict[i] / place.faults;
     if (part > 0)
       out +=
           fmt::format(R"(<rect class="{}" x="{:.2f}" y="{:.2f}" width="{:.2f}" height="{:.2f}"/>)",
-                      verdicts[i], x, r.y, part, r.height);
+                      fault_verdicts[i], x, r.y, part, r.height);
     x += part;
   }
   out += fmt::format(R"(<rect class="edge" x="{:.2f}" y="{:.2f}" width="{:.2f}" height="{:.2f}"/>)",
@@ -153,10 +153,10 @@ std::string map_of(const Json& by) {
   for (const Place& place : places) all.add(place);
   const std::string name = text_at(by, {"name"});
   std::string legend;
-  for (std::size_t i = 0; i < verdicts.size(); ++i)
+  for (std::size_t i = 0; i < fault_verdicts.size(); ++i)
     if (all.by_verdict[i] > 0)
-      legend += fmt::format("<li class=\"{}\">{}: {:.0f}</li>", verdicts[i], verdicts[i],
-                            all.by_verdict[i]);
+      legend += fmt::format("<li class=\"{}\">{}: {:.0f}</li>", fault_verdicts[i],
+                            fault_verdicts[i], all.by_verdict[i]);
   const Layout layout(places);
   std::string drawing;
   for (std::size_t i = 0; i < places.size(); ++i)
@@ -165,7 +165,8 @@ std::string map_of(const Json& by) {
       "<figure class=\"faults\"><svg viewBox=\"0 0 {:.0f} {:.0f}\" role=\"img\" "
       "aria-label=\"{}\">\n{}</svg>\n<ul class=\"legend\">{}</ul>"
       "<figcaption>Injected faults by {}. An area counts faults, which are drawn in proportion to "
-      "bits, and is divided by their verdicts; point at it for its numbers. The table has them, "
+      "bits, and is divided by their fault_verdicts; point at it for its numbers. The table has "
+      "them, "
       "too.</figcaption></figure>\n",
       map_width, map_height, escaped(sentence_of(all)), drawing, legend, escaped(name));
 }
