@@ -165,7 +165,7 @@ std::string map_of(const Json& by) {
       "<figure class=\"faults\"><svg viewBox=\"0 0 {:.0f} {:.0f}\" role=\"img\" "
       "aria-label=\"{}\">\n{}</svg>\n<ul class=\"legend\">{}</ul>"
       "<figcaption>Injected faults by {}. An area counts faults, which are drawn in proportion to "
-      "bits, and is divided by their fault_verdicts; point at it for its numbers. The table has "
+      "bits, and is divided by their verdicts; point at it for its numbers. The table has "
       "them, "
       "too.</figcaption></figure>\n",
       map_width, map_height, escaped(sentence_of(all)), drawing, legend, escaped(name));

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace capsoc::report::test {
+namespace capsoc::report {
 namespace {
 
 struct Box {
@@ -105,4 +105,4 @@ TEST(FaultMap, TextsOfAResultAreNoMarkup) {
 }
 
 }  // namespace
-}  // namespace capsoc::report::test
+}  // namespace capsoc::report
