@@ -124,6 +124,15 @@ std::string sentence_of(const Place& place) {
   return text;
 }
 
+/// The last part, with the one in front of it if it is a number: "corrections.45".
+std::string short_name(const std::string& place) {
+  std::size_t dot = place.rfind('.');
+  const bool is_number = dot != std::string::npos &&
+                         place.find_first_not_of("0123456789", dot + 1) == std::string::npos;
+  if (is_number && dot > 0) dot = place.rfind('.', dot - 1);
+  return dot == std::string::npos ? place : place.substr(dot + 1);
+}
+
 /// Verdicts side by side, the worst at the left; a name where there is room for it.
 std::string drawing_of(const Place& place, const Rectangle& r) {
   std::string out = fmt::format("<g><title>{}</title>", escaped(sentence_of(place)));
@@ -138,8 +147,7 @@ std::string drawing_of(const Place& place, const Rectangle& r) {
   }
   out += fmt::format(R"(<rect class="edge" x="{:.2f}" y="{:.2f}" width="{:.2f}" height="{:.2f}"/>)",
                      r.x, r.y, r.width, r.height);
-  const std::size_t dot = place.name.rfind('.');
-  const std::string name = dot == std::string::npos ? place.name : place.name.substr(dot + 1);
+  const std::string name = short_name(place.name);
   if (r.height > of_line && r.width > of_character * static_cast<double>(name.size() + 1))
     out += fmt::format(R"(<text x="{:.2f}" y="{:.2f}">{}</text>)", r.x + 4, r.y + of_line - 2,
                        escaped(name));

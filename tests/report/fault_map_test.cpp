@@ -58,6 +58,9 @@ TEST(FaultMap, AnAreaIsANumberOfFaultsAndIsDividedByVerdicts) {
             std::string::npos);
   EXPECT_NE(map.find("All: 100 faults, silent 20, detected 20, masked 60"), std::string::npos);
   EXPECT_NE(map.find(">u_judge</text>"), std::string::npos);
+  const std::string memory =
+      fault_maps_of(campaign({{"coprocessor.corrections.45", {{"0: latent", 1}}}}));
+  EXPECT_NE(memory.find(">corrections.45</text>"), std::string::npos);
 }
 
 TEST(FaultMap, PlacesNeitherOverlapNorLeaveAGap) {
