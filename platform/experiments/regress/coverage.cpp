@@ -95,6 +95,7 @@ std::vector<std::string> slews() {
 
 std::vector<std::string> parities() {
   std::vector<std::string> names;
+  names.reserve(coprocessor::parity_registers.size());
   for (const uint32_t offset : coprocessor::parity_registers)
     names.emplace_back(coprocessor::find_rule(offset)->about->name);
   return names;
