@@ -71,15 +71,18 @@ for unwanted in -dev gcc-arm g++ cmake python3 verilator; do
 done
 passed "run-time packages only"
 as_root sh -c 'ldd /usr/bin/capsoc $(dpkg -L capsoc | grep "\.so$")' >"$work/ldd"
-[[ $(grep -c '^/.*:$' "$work/ldd") == 3 ]] && ! grep 'not found' "$work/ldd" || { cat "$work/ldd" >&2; fail "the program or an RTL library is not there, or misses a library"; }
+for part in bin/capsoc libcapsoc_reference.so libcapsoc_rtl_precise.so libcapsoc_rtl_paper.so; do
+  grep -q "^/.*$part:\$" "$work/ldd" || fail "$part is not in the package"
+done
+! grep 'not found' "$work/ldd" || { cat "$work/ldd" >&2; fail "the program or one of its libraries misses a library"; }
 passed "every shared library is found"
 
 expect 0 "(commit " "capsoc --version"
 expect 0 "coprocessor" "capsoc info"
 expect 0 "exit 0: " "capsoc run --json /tmp/result.json"
 grep -q '"path": "/usr/share/capsoc/firmware/selfcal.elf"' "$box/tmp/result.json" || fail "the main job's program is not the package's"
-expect 124 "samples, 2.0 simulated s" "capsoc run --simlimit 2 --coprocessor rtl"
-expect 124 "samples, 2.0 simulated s" "capsoc run --simlimit 2 --coprocessor lockstep --arithmetic paper"
+expect 124 "samples, 2.00 simulated s" "capsoc run --simlimit 2 --coprocessor rtl"
+expect 124 "samples, 2.00 simulated s" "capsoc run --simlimit 2 --coprocessor lockstep --arithmetic paper"
 expect 0 "calibration.json" "capsoc fit /usr/share/capsoc/traces/soc_eq21.toml"
 expect 0 "exit 0: " "cp /usr/bin/capsoc /tmp/alone; /tmp/alone run /usr/share/capsoc/firmware/hello.elf --json /tmp/alone.json"
 grep -q '"built-in:soc_eq21.toml"' "$box/tmp/alone.json" || fail "a copy without its files does not use the sensor that is built in"
