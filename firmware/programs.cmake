@@ -42,7 +42,7 @@ set(capsoc_applications selfcal safe paper track calibrate quick harmonics follo
 # Programs for tests.
 foreach(test hello debuggee profiled divzero evenjump badread stackoverflow forever exit_code drivers board newlib echo
         spin exceptions faults mpu threads imprecise itm priority_probe priority_bits overrun qemu_differences idle
-        task_start failures pins transmit semihosting_calls long_text viewer presence endless overwritten)
+        task_start failures pins transmit semihosting_calls questions long_text viewer presence endless overwritten)
   capsoc_firmware(${test} SOURCES tests/${test}.c OBJECTS runtime)
 endforeach()
 # The same program elsewhere, vector table included.

@@ -21,6 +21,7 @@ enum class StopReason {
   sleeping,
   lockup,
   semihosting_exit,
+  semihosting_waits,  ///< the call under way has no answer yet; the next run() asks for it again
   breakpoint,
   watchpoint,
   reset_request,
@@ -130,6 +131,10 @@ class Core {
   void set_interrupt(unsigned line, bool level);
   void pulse_nmi() { machine_.pending.pend(exception::nmi); }
   void send_event();  // the RXEV input
+  /// The answer to the semihosting call under way comes later: nothing more is executed, and every
+  /// run() makes the call again until it is answered.
+  void ask_again() { edit().semihosting_waits = true; }
+  bool waits_for_answer() const { return machine_.state.semihosting_waits; }
   /// Leaves run() after the present instruction.
   void attention() { machine_.requests.raise(Requests::attention); }
   bool sleeping() const { return machine_.state.sleeping; }

@@ -34,7 +34,8 @@ struct VectorWrite {
 
 /// Callbacks for guest events. Unset callbacks are ignored.
 struct Listeners {
-  /// BKPT 0xAB, with PC after it; false ends run() with semihosting_exit.
+  /// BKPT 0xAB, with PC after it; false ends run() with semihosting_exit. One that has no answer
+  /// yet calls Core::ask_again().
   std::function<bool(Core&)> semihosting;
   /// The program writes to a stimulus port of the ITM: `size` bytes of `value`.
   std::function<void(unsigned port, uint32_t value, unsigned size)> stimulus;

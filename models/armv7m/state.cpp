@@ -67,6 +67,7 @@ void State::visit(Archive& archive) {
   archive("locked_up", locked_up);
   archive("reset_request", reset_request);
   archive("semihosting_exit", semihosting_exit);
+  archive("semihosting_waits", semihosting_waits);
   archive("event_register", event_register);
   archive.at_most("ipsr", ipsr, 47u);
   archive.at_most("control", control, 7u);
@@ -101,7 +102,7 @@ void State::reset(const SystemRegisters& registers) {
   it_state = 0;
   trail = timing::no_trail;
   entered_at = never;
-  sleeping = locked_up = reset_request = semihosting_exit = false;
+  sleeping = locked_up = reset_request = semihosting_exit = semihosting_waits = false;
   event_register = exclusive = false;
   last_fault = {};
   first_fault = {};

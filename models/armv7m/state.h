@@ -38,7 +38,8 @@ struct State {
   /// instructions at the last exception entry, while it can be displaced
   uint64_t entered_at = never;
   bool thumb = true, sleeping = false, sleeping_for_event = false, locked_up = false;
-  bool reset_request = false, semihosting_exit = false, event_register = false;
+  bool reset_request = false, semihosting_exit = false, semihosting_waits = false,
+       event_register = false;
   uint32_t ipsr = 0, control = 0, primask = 0, faultmask = 0, basepri = 0;
   uint32_t other_sp = 0;   ///< the stack pointer that is not in use
   bool exclusive = false;  ///< the local monitor (A3.4)

@@ -251,6 +251,7 @@ std::optional<Error> Advance::advance_to(const sc_core::sc_time& time) {
     // An early return without a request from this advance: a client interrupted, or the history.
     const bool called = board_.simulation().take_interruption();
     is_cut_ = called && board_.is_interrupted();
+    if (asks_a_client()) hit_ = "console";
     if (is_over_ || is_cut_ || hit_ != nullptr || clock_changed_) break;
     const sc_core::sc_time now = sc_core::sc_time_stamp();
     if (waits && now >= time_of(input->at)) {
@@ -284,6 +285,13 @@ std::optional<Error> Advance::meet(const Position& position) {
                   "ps, {}; this is a defect of capsoc, please report it",
                   position.time_ps, position.instructions, sc_core::sc_time_stamp().value(),
                   core.instructions())};
+}
+
+/// A read of the console waits for input, and the history has none here.
+bool Advance::asks_a_client() const {
+  if (hit_ != nullptr || !board_.soc().cpu.core().waits_for_answer()) return false;
+  const Input* const input = board_.history().next();
+  return input == nullptr || !(input->at == board_.position());
 }
 
 std::optional<Error> Advance::apply_next() {
@@ -368,7 +376,7 @@ bool Advance::asleep_for_good() {
 
 std::optional<Error> Advance::run_cycles() {
   const armv7m::Core& core = board_.soc().cpu.core();
-  while (!is_over_ && !is_cut_ && core.cycles() < *cycle_ && (sc_core::sc_time_stamp() < limit_))
+  while (!has_ended() && core.cycles() < *cycle_ && (sc_core::sc_time_stamp() < limit_))
     if (auto error = advance_to(board_.soc().clock.time_of(*cycle_))) return error;
   if (!is_over_ && core.cycles() >= *cycle_) hit_ = "cycles";
   return std::nullopt;
@@ -390,12 +398,12 @@ uint64_t Advance::longest_run() const {
 std::optional<Error> Advance::run_instructions() {
   constexpr uint64_t idle = 16;  // cycles an instruction
   const armv7m::Core& core = board_.soc().cpu.core();
-  while (!is_over_ && !is_cut_ && left() > stepped && sc_core::sc_time_stamp() < limit_) {
+  while (!has_ended() && left() > stepped && sc_core::sc_time_stamp() < limit_) {
     const uint64_t before = left(), piece = before / 2;
     if (auto error = advance_to(board_.soc().clock.time_of(core.cycles() + piece))) return error;
     if (before - left() < piece / idle) break;
   }
-  if (left() > 0 && !is_over_ && !is_cut_ && sc_core::sc_time_stamp() < limit_) {
+  if (left() > 0 && !has_ended() && sc_core::sc_time_stamp() < limit_) {
     attach_debugger();
     return advance_to(limit_);
   }
@@ -414,7 +422,7 @@ bool Advance::holds(const Result<double>& value, std::optional<Error>& error) {
 
 std::optional<Error> Advance::run_expression() {
   std::optional<Error> error;
-  while (!is_over_ && !is_cut_ && !error) {
+  while (!has_ended() && !error) {
     if (holds(value(), error)) {
       hit_ = "expression";
       break;

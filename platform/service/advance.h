@@ -47,7 +47,7 @@ class Advance final : private armv7m::Debugger {
   /// its watcher says so; at the latest to a position where the simulation was before.
   std::optional<Error> resume(bool steps, const std::optional<Position>& end);
   /// What it stopped at: "debugger" (the watcher said so), "bkpt", "asleep" (nothing inside can
-  /// wake it); null: nothing.
+  /// wake it), "console" (a read of it waits for input); null: nothing.
   const char* hit() const { return hit_; }
   /// The run is over, ended by a debugger.
   std::optional<Error> kill();
@@ -81,6 +81,8 @@ class Advance final : private armv7m::Debugger {
   void attach_debugger();
   uint64_t left() const;
   bool is_at_bkpt() const;
+  bool asks_a_client() const;
+  bool has_ended() const { return is_over_ || is_cut_ || hit_ != nullptr; }
   bool stands_at_bkpt();
   std::optional<Error> run();
   std::optional<Error> run_cycles();
@@ -100,6 +102,7 @@ class Advance final : private armv7m::Debugger {
   bool asleep_for_good() override;
   bool wants_attention() const override { return false; }
   bool looks_at_sleep() const override { return false; }
+  bool sees_stops_alone() const override { return !steps_ && !meets_ && !instruction_ && !kills_; }
   uint64_t longest_run() const override;
   bool ended() const override { return kills_; }
 

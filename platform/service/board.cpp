@@ -170,6 +170,8 @@ std::optional<Error> Board::check_files(const std::vector<host::FileUse>& more) 
 }
 
 void Board::attach() {
+  if (settings_.semihosting.console() == "stdio")
+    kept_.console.ask_by([this] { simulation_->stop_soon(); });
   simulation_->expect_inputs();
   target_ = std::make_unique<debug::SocTarget>(soc());
   variables_ = std::make_unique<source::Variables>(simulation_->view().program().images());
@@ -282,6 +284,7 @@ Result<Board::Snapshot> Board::snapshot(bool unread) {
     waiting.push_back(std::move(each));
   }
   held.add_bytes("console", kept_.console.given());
+  held.result["console_ended"] = kept_.console.has_ended();
   for (const sensor::KeyValue& key : sensor_->changed()) sensor[key.name] = key.value;
   using Pair = std::pair<double, double>;
   held.add_array("u", column(sensor_->injected(), &Pair::first));
@@ -305,6 +308,7 @@ std::string Board::beside_the_checkpoint() const {
       return fmt::format("uart{} has {} bytes that the program has not received", n, bytes);
   if (const std::size_t bytes = kept_.console.given().size(); bytes > 0)
     return fmt::format("{} bytes for the console are not read yet", bytes);
+  if (kept_.console.has_ended()) return "the console's input is at its end";
   if (!sensor_->changed().empty() || sensor_->speed() != 1 || sensor_->course().from_s != 0)
     return "the sensor was changed on the way";
   if (!sensor_->injected().empty())
@@ -318,6 +322,7 @@ std::optional<Error> Board::take_over(const Snapshot& from) {
   for (std::size_t n = 0; n < uarts_.size(); ++n)
     uarts_[n].send(bytes_in(held.at("waiting").at(n).at("bytes"), from.frames));
   kept_.console.give(bytes_in(held.at("console"), from.frames));
+  if (held.at("console_ended").get<bool>()) kept_.console.end_input();
   for (const auto& [name, output] : outputs()) {
     const Json& each = held.at("outputs").at(name);
     output->go_on_from(each.at("sent").get<uint64_t>(), bytes_in(each.at("said"), from.frames));

@@ -57,6 +57,8 @@ SessionFile::Text uart_text(Board& board, std::size_t uart) {
 bool is_recorded(const run::RunSettings& settings, const Setting& setting) {
   // The session's own stream; that of the ITM enables its port.
   if (setting.path == settings.itm.backend.about().path) return setting.value == "stdout";
+  // Whether reads of the console wait.
+  if (setting.path == settings.semihosting.console.about().path) return setting.value == "stdio";
   if (setting.is_path() || setting.kind == SettingKind::backend) return false;
   if (setting.path == settings.firmware.load.about().path) return false;
   const std::string ends[] = {settings.coprocessor.backend.about().path,
@@ -124,10 +126,12 @@ std::string state_to_record(const std::string& bytes) {
 /// Settings and files of a session that no recording has: it would write, or load code.
 std::optional<Error> complain(const SessionFile& session) {
   run::RunSettings known;
-  const std::string itm = known.itm.backend.about().path;
-  if (const auto found = session.settings.find(itm); found != session.settings.end())
-    if (auto error = known.set(itm, found->second, SettingSource::command_line, "settings"))
-      return error;
+  for (const TextField* stream : {&known.itm.backend, &known.semihosting.console}) {
+    const std::string path = stream->about().path;
+    if (const auto found = session.settings.find(path); found != session.settings.end())
+      if (auto error = known.set(path, found->second, SettingSource::command_line, "settings"))
+        return error;
+  }
   for (const Setting& setting : known.all()) {
     const bool is_value = session.settings.count(setting.path) != 0;
     const bool is_file =

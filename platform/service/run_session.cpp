@@ -5,7 +5,9 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
+#include <array>
+#include <cerrno>
+#include <cstdio>
 #include <optional>
 #include <utility>
 
@@ -67,11 +69,6 @@ void RunSession::divide(const run::RunSettings& settings) {
 
 Result<RunSession> RunSession::start(const run::RunSettings& settings, const std::string& asked_by,
                                      const std::string& recorded) {
-  if (settings.semihosting.console() == "stdio")
-    return Error{fmt::format(
-        "{}: stdio reads standard input when the program asks, which {} cannot repeat; take stderr "
-        "or stdout",
-        settings.semihosting.console.about().name(), asked_by)};
   auto child = ChildSession::start();
   if (!child) return Error{child.error()};
   RunSession session(std::move(child.value()), settings);
@@ -162,6 +159,30 @@ void RunSession::read_keys() {
   Json bytes = Json::array();
   for (ssize_t i = 0; i < count; ++i) bytes.push_back(static_cast<uint8_t>(buffer[i]));
   ask("uart.send", {{"uart", keyboard_}, {"bytes", std::move(bytes)}});
+}
+
+/// A line at a time: between two of them what the program says is shown.
+bool RunSession::answer_console(std::chrono::milliseconds patience) {
+  std::fflush(stdout);  // the question
+  std::size_t end = typed_.find('\n');
+  bool is_last = false;
+  while (end == std::string::npos && !is_last) {
+    pollfd keys{STDIN_FILENO, POLLIN, 0};
+    if (poll(&keys, 1, static_cast<int>(patience.count())) <= 0) return false;
+    std::array<char, 4096> buffer;
+    const ssize_t count = read(STDIN_FILENO, buffer.data(), buffer.size());
+    if (count < 0 && errno == EINTR) return false;
+    is_last = count <= 0;
+    if (!is_last) typed_.append(buffer.data(), static_cast<std::size_t>(count));
+    end = typed_.find('\n');
+    if (!is_last && isatty(STDIN_FILENO) != 0) break;  // a terminal ends lines otherwise, too
+  }
+  const std::size_t size = end == std::string::npos ? typed_.size() : end + 1;
+  Json bytes = Json::array();
+  for (const char byte : typed_.substr(0, size)) bytes.push_back(static_cast<uint8_t>(byte));
+  typed_.erase(0, size);
+  ask("semihosting.send", {{"bytes", std::move(bytes)}, {"end", is_last}});
+  return true;
 }
 
 void RunSession::record() {

@@ -1,6 +1,7 @@
 // A run of the command line as one simulation of a session, seen from the program that was started.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -46,6 +47,9 @@ class RunSession {
   /// Sends what was typed, if a UART reads standard input.
   void read_keys();
   bool reads_keys() const { return keyboard_ >= 0; }
+  /// The program reads its console, which is standard input: sends what was typed, or that nothing
+  /// will be. False: nothing was typed in that time.
+  bool answer_console(std::chrono::milliseconds patience);
   /// A sentence about an output that is not whole; the run is no pass.
   void lose(std::string sentence) { lost_.push_back(std::move(sentence)); }
   /// Writes the recording that the settings ask for, and ends the run. `before`: is done between
@@ -73,6 +77,7 @@ class RunSession {
   std::vector<Stream> streams_;
   std::string session_file_;  ///< "": none
   double keep_last_s_ = 0;    ///< of that; 0: all
+  std::string typed_;         ///< for the console, and not sent yet
   int keyboard_ = -1;         ///< the UART that reads standard input; -1: none
   Heard heard_;
   std::vector<std::string> lost_;  ///< a sentence for each output that is not whole

@@ -115,8 +115,7 @@ class SessionRun final : private debug::Clients::Processor {
     }
   }
 
-  /// No debugger can stop it. A processor with a debugger meets the kernel at each access to a
-  /// device, which takes twice the time of a program that does little else.
+  /// No debugger can stop it, and nothing has to be heard where the program sleeps for good.
   bool runs_freely() const { return !can_be_debugged_ && !is_repeated_ && !session_.reads_keys(); }
 
   Answer run() {
@@ -143,6 +142,11 @@ class SessionRun final : private debug::Clients::Processor {
     if (reason == Json("asleep")) {
       if (!clients_.is_debugged() && !session_.reads_keys()) return false;
       clients_.wait(nap);
+      return true;
+    }
+    if (reason == Json("console")) {
+      if (is_repeated_) return false;
+      if (!session_.answer_console(look)) clients_.wait(look);
       return true;
     }
     if (reason != Json("interrupted")) clients_.halt(cause_in(answer.result));

@@ -92,7 +92,8 @@ std::vector<BoardVerb> advance_verbs() {
         {state_member,
          {"reason", "text",
           "time, cycles, instructions, samples, address, exception, uart, expression; limit "
-          "(within_s), interrupted, over; bkpt (debugger.attach)"},
+          "(within_s), interrupted, over; console (the program reads, see semihosting.send); bkpt "
+          "(debugger.attach)"},
          {"match", "object", "of uart: text up to the match's end, groups"},
          {"events", "list", "those that events.subscribe asked for: kind, time_s, ..."}}},
        advance,

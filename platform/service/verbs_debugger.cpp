@@ -76,6 +76,7 @@ Answer resume(Board& board, const Call& call) {
       return true;
     }
     if (reason == armv7m::StopReason::semihosting_exit ||
+        reason == armv7m::StopReason::semihosting_waits ||
         reason == armv7m::StopReason::reset_request)
       return false;
     if (how->kind == Resume::Kind::run || !advanced || is_inside(*how, core.reg(15))) return false;
@@ -153,7 +154,7 @@ std::vector<BoardVerb> debugger_verbs() {
              "stands is passed")},
         {{"reason", "text",
           "breakpoint, bkpt, watchpoint, step, lockup; end (of the past), asleep (only a client "
-          "can wake it), interrupted, over"},
+          "can wake it), console (it reads, see semihosting.send), interrupted, over"},
          {"point", "text", "the kind of the point"},
          {"address", "integer", "of a watchpoint: what was accessed"},
          {"state", "object", "as simulation.state"},

@@ -82,6 +82,7 @@ Answer give_console(Board& board, const Call& call) {
         "semihosting.send: more than 16 MiB wait for the program; advance until it has "
         "read them");
   board.console().give(bytes);
+  if (call.has("end") && call.boolean("end")) board.console().end_input();
   return {};
 }
 
@@ -165,9 +166,11 @@ std::vector<BoardVerb> port_verbs() {
        read_console,
        Effect::looks_after_the_end},
       {{"semihosting.send",
-        "Bytes for the program's next reads of the console. A read with none left is at the "
-        "end of the input.",
-        {need("bytes", Type::bytes, "what it reads")},
+        "Bytes for the program's next reads of the console, a line each. A read with none left is "
+        "at the end of the input. With the setting semihosting.console=stdio it waits for more, "
+        "unless the end was said, and simulation.advance stops there.",
+        {need("bytes", Type::bytes, "what it reads"),
+         may("end", Type::boolean, "nothing comes after these")},
         {}},
        give_console,
        Effect::input},

@@ -1,5 +1,7 @@
 #include "view/view.h"
 
+#include <fmt/format.h>
+
 #include <utility>
 
 #include "host/console.h"
@@ -16,6 +18,11 @@ Result<service::Json> run_in_view(const run::RunSettings& settings, const std::s
   const std::string option = settings.view.port.about().name();
   if (settings.gdb.port() >= 0)
     return Error{option + ": a debugger cannot steer the same run; leave out --gdb"};
+  if (const TextField& console = settings.semihosting.console; console() == "stdio")
+    return Error{
+        fmt::format("{}: stdio reads standard input, which {} has no place for; take "
+                    "stderr or stdout",
+                    console.about().name(), option)};
   host::note_end_signals();
   auto session = service::RunSession::start(settings, option, recorded);
   if (!session) return Error{session.error()};

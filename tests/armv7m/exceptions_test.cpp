@@ -189,6 +189,60 @@ TEST(Exceptions, SemihostingGoesToTheHandlerWhichMayEndTheRun) {
   EXPECT_EQ(b.core.reg(15), Bench::program + 6);
 }
 
+// The host's answer takes no time of the guest's, however often it is asked for, and an exception
+// that becomes pending meanwhile comes after it.
+TEST(Exceptions, ASemihostingCallIsRepeatedUntilItIsAnswered) {
+  for (unsigned waits : {0U, 1U, 3U}) {
+    for (Executor executor : {Executor::stepping, Executor::blocks, Executor::translator}) {
+      Bench b;
+      unsigned asked = 0;
+      b.core.set_executor(executor);
+      b.core.listeners().semihosting = [&](Core& core) {
+        EXPECT_EQ(core.reg(15), Bench::program + 4);
+        if (asked++ < waits)
+          core.ask_again();
+        else
+          core.set_reg(0, 42);
+        return true;
+      };
+      b.start({0x2007, 0xBEAB, 0x0001, 0x6025, 0xE7FE});  // movs r0,#7; bkpt 0xAB; movs r1,r0; ...
+      b.core.set_reg(4, 0xE000E100);
+      b.core.set_reg(5, 1);
+      for (unsigned i = 0; i < waits; ++i) {
+        EXPECT_EQ(b.core.run(1000), StopReason::semihosting_waits);
+        EXPECT_TRUE(b.core.waits_for_answer());
+        EXPECT_EQ(b.core.reg(0), 7u);
+        b.core.set_interrupt(0, true);
+      }
+      b.core.set_interrupt(0, true);
+      EXPECT_EQ(b.core.run(12), StopReason::budget);
+      EXPECT_FALSE(b.core.waits_for_answer());
+      EXPECT_EQ(b.core.reg(0), 42u);
+      EXPECT_EQ(b.core.reg(1), 42u);
+      EXPECT_EQ(asked, waits + 1);
+      EXPECT_EQ(b.core.state().xpsr() & 0x1FF, 0u) << "the line is enabled later";
+      static std::pair<uint64_t, uint64_t> first;
+      const std::pair position{b.core.cycles(), b.core.instructions()};
+      if (waits == 0 && executor == Executor::stepping) first = position;
+      EXPECT_EQ(position, first);
+    }
+  }
+}
+
+TEST(Exceptions, AnAnswerThatComesLaterMayEndTheRun) {
+  Bench b;
+  bool is_asked = false;
+  b.core.listeners().semihosting = [&](Core& core) {
+    if (std::exchange(is_asked, true)) return false;
+    core.ask_again();
+    return true;
+  };
+  b.start({0xBEAB, 0xE7FE});
+  EXPECT_EQ(b.core.run(1000), StopReason::semihosting_waits);
+  EXPECT_EQ(b.core.run(1000), StopReason::semihosting_exit);
+  EXPECT_FALSE(b.core.waits_for_answer());
+}
+
 // B1.5.8
 TEST(Exceptions, AReturnWithAReservedValueRaisesInvpc) {
   Bench b;

@@ -81,6 +81,12 @@ class Time(Real):
             simulation.advance(instructions=1)
             read.append(simulation.processor.r0)
         self.assertIn(ord("Z"), read)
+        simulation = self.run_elf("questions.elf", settings={"semihosting.console": "stdio"})
+        stop = simulation.advance()
+        self.assertEqual((stop.reason, bool(stop), simulation.console), ("console", False, "line? "))
+        simulation.type("quit\n", end=True)
+        self.assertEqual(simulation.advance().reason, "over")
+        self.assertIn('1: 5 bytes "quit"', simulation.console)
 
     def test_the_end(self):
         simulation = self.run_elf(program=SHORT)

@@ -17,6 +17,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+using Outcome = Semihosting::Outcome;
+
 class FakeMemory : public GuestMemory {
  public:
   static constexpr uint32_t base = 0x20000000, size = 0x10000;
@@ -43,11 +45,14 @@ class FakeBackend : public serial::CharacterBackend {
  public:
   explicit FakeBackend(std::string& written) : written_(written) {}
   void write(std::string_view bytes) override { written_ += bytes; }
-  std::string read() override { return std::exchange(input_, {}); }
+  std::string read() override { return std::exchange(input, {}); }
+  bool asks() override { return waits; }
+
+  std::string input = "typed\n";
+  bool waits = false;
 
  private:
   std::string& written_;
-  std::string input_ = "typed\n";
 };
 
 class SemihostingTest : public testing::Test {
@@ -72,7 +77,7 @@ class SemihostingTest : public testing::Test {
   uint32_t call(uint32_t operation, const std::vector<uint32_t>& words) {
     memory.write(block, words.data(), static_cast<uint32_t>(4 * words.size()));
     uint32_t result = operation;
-    EXPECT_TRUE(guest.call(operation, block, result));
+    EXPECT_EQ(guest.call(operation, block, result), Outcome::answered);
     return result;
   }
   uint32_t put(uint32_t address, const std::string& text) {
@@ -91,7 +96,8 @@ class SemihostingTest : public testing::Test {
   fs::path inside = folder / "guest", outside = folder / "secret";
   FakeMemory memory;
   std::string console_text;
-  Console console{std::make_unique<FakeBackend>(console_text), [] { return false; }};
+  FakeBackend* const host = new FakeBackend(console_text);
+  Console console{std::unique_ptr<FakeBackend>(host), [] { return false; }};
   uint64_t now_ns = 0;
   Environment environment{
       "program.elf one two", 1767225600, {1, 2, 3, 4}, [this] { return now_ns; }};
@@ -99,7 +105,7 @@ class SemihostingTest : public testing::Test {
   struct Late {
     SemihostingTest& test;
     std::optional<Semihosting> made;
-    bool call(uint32_t operation, uint32_t argument, uint32_t& result) {
+    Outcome call(uint32_t operation, uint32_t argument, uint32_t& result) {
       if (!made) made.emplace(test.memory, test.files(test.inside), test.console, test.environment);
       return made->call(operation, argument, result);
     }
@@ -150,9 +156,9 @@ TEST_F(SemihostingTest, WithoutADirectoryThereAreNoFiles) {
   const uint32_t words[] = {name, 0, put(name, "notes")};
   memory.write(block, words, sizeof words);
   uint32_t result = 1;
-  EXPECT_TRUE(bare.call(0x01, block, result));
+  EXPECT_EQ(bare.call(0x01, block, result), Outcome::answered);
   EXPECT_EQ(result, failure);
-  EXPECT_TRUE(bare.call(0x13, 0, result));
+  EXPECT_EQ(bare.call(0x13, 0, result), Outcome::answered);
   EXPECT_EQ(result, static_cast<uint32_t>(EACCES));
 }
 
@@ -174,6 +180,31 @@ TEST_F(SemihostingTest, TheConsole) {
   EXPECT_EQ(console_text, "one\ntext\nt");
 }
 
+TEST_F(SemihostingTest, AReadOfTheConsoleCanBeRepeated) {
+  const uint32_t in = open(":tt", 0);
+  EXPECT_EQ(call(0x06, {in, buffer, 100}), 94U);
+  EXPECT_EQ(call(0x06, {99, buffer, 100}), 100U);
+  EXPECT_EQ(error(), EBADF);
+  host->waits = true;
+  for (const uint32_t operation : {0x06U, 0x07U}) {
+    const std::vector<uint32_t> words = {in, buffer, 100};
+    memory.write(block, words.data(), 12);
+    const std::vector<uint8_t> before = memory.bytes;
+    uint32_t result = operation;
+    EXPECT_EQ(guest.call(operation, block, result), Outcome::asks_again);
+    EXPECT_EQ(result, operation);
+    EXPECT_EQ(memory.bytes, before);
+    EXPECT_EQ(error(), EBADF) << "of the call before";
+  }
+  host->input = "two\nlines";
+  EXPECT_EQ(call(0x06, {in, buffer, 100}), 96U) << "one at a time";
+  EXPECT_EQ(text_at(buffer).substr(0, 4), "two\n");
+  EXPECT_EQ(call(0x07, {}), uint32_t{'l'});
+  EXPECT_EQ(call(0x06, {in, buffer, 100}), 96U);
+  host->waits = false;
+  EXPECT_EQ(call(0x06, {in, buffer, 100}), 100U) << "the end of the input";
+}
+
 /// The specification: R0 has "the same value as field 3" if the call has failed.
 TEST_F(SemihostingTest, AReadThatFailsHasReadNothing) {
   put(buffer, "x");
@@ -192,15 +223,15 @@ TEST_F(SemihostingTest, AWrittenTextHasAnyLengthAndEndsWithMemoryAtTheLatest) {
   for (const uint32_t begin : {buffer, buffer + 1, buffer + 63}) {
     console_text.clear();
     put(begin, text);
-    EXPECT_TRUE(guest.call(0x04, begin, result));
+    EXPECT_EQ(guest.call(0x04, begin, result), Outcome::answered);
     console.flush();
     EXPECT_EQ(console_text, text);
   }
   console_text.clear();
   const uint32_t last = FakeMemory::base + FakeMemory::size - 3;
   memory.write(last, "end", 3);
-  EXPECT_TRUE(guest.call(0x04, last, result));
-  EXPECT_TRUE(guest.call(0x04, bad, result));
+  EXPECT_EQ(guest.call(0x04, last, result), Outcome::answered);
+  EXPECT_EQ(guest.call(0x04, bad, result), Outcome::answered);
   console.flush();
   EXPECT_EQ(console_text, "end");
 }
@@ -236,15 +267,15 @@ TEST_F(SemihostingTest, CommandLineHeapFeaturesAndTemporaryNames) {
 
 TEST_F(SemihostingTest, TheEnd) {
   uint32_t result = 0;
-  EXPECT_FALSE(guest.call(0x18, 0x20026, result));
+  EXPECT_EQ(guest.call(0x18, 0x20026, result), Outcome::ended);
   EXPECT_EQ(guest.made->exit_status(), 0);
-  EXPECT_FALSE(guest.call(0x18, 0x20023, result));
+  EXPECT_EQ(guest.call(0x18, 0x20023, result), Outcome::ended);
   EXPECT_EQ(guest.made->exit_status(), 1);
   const uint32_t words[] = {0x20026, 42};
   memory.write(block, words, sizeof words);
-  EXPECT_FALSE(guest.call(0x20, block, result));
+  EXPECT_EQ(guest.call(0x20, block, result), Outcome::ended);
   EXPECT_EQ(guest.made->exit_status(), 42);
-  EXPECT_FALSE(guest.call(0x20, bad, result));
+  EXPECT_EQ(guest.call(0x20, bad, result), Outcome::ended);
   EXPECT_EQ(guest.made->exit_status(), 1);
 }
 
@@ -253,8 +284,8 @@ TEST_F(SemihostingTest, PointersOutsideMemoryAreErrors) {
   for (uint32_t operation = 0; operation < 0x40; ++operation) {
     if (operation == 0x18 || operation == 0x20) continue;
     uint32_t result = operation;
-    EXPECT_TRUE(guest.call(operation, bad, result));
-    EXPECT_TRUE(guest.call(operation, 0xFFFFFFFE, result));
+    EXPECT_EQ(guest.call(operation, bad, result), Outcome::answered);
+    EXPECT_EQ(guest.call(operation, 0xFFFFFFFE, result), Outcome::answered);
   }
   EXPECT_EQ(call(0x05, {file, bad, 8}), 8U);
   EXPECT_EQ(error(), EFAULT);
@@ -306,7 +337,7 @@ TEST_F(SemihostingTest, RandomCallsDoNothingWorse) {
     memory.write(block, words.data(), static_cast<uint32_t>(4 * words.size()));
     uint32_t operation = random() % 0x34, result = 0;
     if (operation == 0x18 || operation == 0x20) continue;
-    EXPECT_TRUE(guest.call(operation, random() % 8 == 0 ? odd() : block, result));
+    EXPECT_EQ(guest.call(operation, random() % 8 == 0 ? odd() : block, result), Outcome::answered);
   }
   std::vector<std::string> found;
   for (const auto& entry : fs::directory_iterator(folder)) found.push_back(entry.path().filename());

@@ -157,6 +157,23 @@ class Walks(Past):
         stops = [250_000, 300_000, 300_010, 300_020, 300_030, 300_050, 300_100]
         self.walk("endless", stops, sent, **{"program.way": "22"})
 
+    def test_a_console_that_waits(self):
+        settings = {"semihosting.console": "stdio"}
+        scout = self.construct("questions", history_mb=0, **settings)
+        sent, stops = [], [100]
+        for answer in ({"bytes": "one\n"}, {"bytes": "x"}, {"bytes": ""}, {"bytes": "two", "end": True}):
+            told = self.advance(scout)
+            self.assertEqual(told["reason"], "console")
+            self.assertEqual(self.advance(scout, seconds=1)["reason"], "console")
+            count = told["state"]["instructions"]
+            stops += [count - 7, count - 1, count]
+            self.session("semihosting.send", simulation=scout, **answer)
+            if answer["bytes"]:
+                sent.append((count, "semihosting.send", answer))
+        self.assertEqual(self.advance(scout)["reason"], "over")
+        self.assertEqual(len({count for count, *_ in sent}), 3)
+        self.walk("questions", stops, sent, **settings)
+
     def test_the_sensor(self):
         changes = [
             (40_000, "sensor.set", {"parameters": {"b1": 0.125}}),

@@ -9,6 +9,7 @@ import random
 import re
 import signal
 import subprocess
+import threading
 import unittest
 from pathlib import Path
 
@@ -105,6 +106,62 @@ class Replays(Replayed):
         self.assertEqual(said, "\x03\0\0\0abc")
         self.assertIn("1 inputs", about)
 
+    def test_what_the_console_was_asked(self):
+        """The guest sees no difference between an answer that was there and one that came late."""
+        options = ("--uart0", "null", "--semihosting-console", "stdio")
+        for given in (
+            b"",
+            b"first\nx\nsecond, of more than the 23 bytes of a read\nquit\n",
+            b"abc",
+            b"a\nb\nc\n" * 200,
+        ):
+            with self.subTest(given=given[:20]):
+                recorded, plain = self.run_recorded("questions", *options, given=given)
+                self.assertEqual(recorded.stdout, plain.stdout)
+                self.assertRegex(self.replay()[1], rf"the same until .*: {given.count(10) + 1} inputs")
+        traces = []
+        for words in (("run", FIRMWARE / "questions.elf", *options), ("replay", "a.session")):
+            trace = self.folder / f"{words[0]}.txt"
+            subprocess.run(
+                [CAPSOC, *words, "--trace-instructions", trace],
+                cwd=self.folder,
+                env=CLEAN,
+                input=given,
+                capture_output=True,
+                check=True,
+                timeout=300,
+            )
+            traces.append([line for line in trace.read_text().splitlines() if "--- reset" not in line])
+        self.assertGreater(len(traces[0]), 100_000)
+        self.assertTrue(traces[0] == traces[1])
+
+    def test_answers_that_take_their_time(self):
+        words = [CAPSOC, "run", FIRMWARE / "questions.elf", "--uart0", "null", "--semihosting-console", "stdio"]
+        plain = subprocess.run(words, input=b"one\ntwo\n", env=CLEAN, capture_output=True, check=True, timeout=60)
+        slow = subprocess.Popen(
+            [*words, "--record-session", "a.session"],
+            cwd=self.folder,
+            env=CLEAN,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+        )
+        self.addCleanup(slow.kill)
+        for_ever = threading.Timer(60, slow.kill)
+        self.addCleanup(for_ever.cancel)
+        for_ever.start()
+        said = b""
+        for answer, wanted in ((b"one\n", b"line? "), (b"two\n", b"character? ")):
+            while not said.endswith(wanted):
+                byte = slow.stdout.read(1)
+                self.assertTrue(byte, said)
+                said += byte
+            slow.stdin.write(answer)
+            slow.stdin.flush()
+        rest, _ = slow.communicate(timeout=60)
+        self.assertEqual((slow.returncode, said + rest), (0, plain.stdout))
+        self.assertIn("the same until", self.replay()[1])
+
     def test_its_results_and_what_is_refused(self):
         recorded = self.run_recorded("hello", "--json", "r.json", "--html", "r.html")[0]
         results = json.loads((self.folder / "r.json").read_text())
@@ -114,7 +171,6 @@ class Replays(Replayed):
             (["--trace-bus", "t"], "no history: trace.bus names a place"),
             (["--uart1", "pty:p"], "no history: uart1.backend connects the simulation to pty:p"),
             (["--halt"], "--halt waits for a debugger"),
-            (["--semihosting-console", "stdio"], "--semihosting-console: stdio reads standard input"),
             (["--gdb-history"], "--gdb-history is for a debugger: add --gdb"),
         ):
             with self.subTest(options=options):

@@ -187,6 +187,7 @@ class Backends(EndlessCase):
             self.addCleanup(os.close, writer)
             taker = ("--semihosting-console",) if way == "semihosting_read" else ("--uart0", "null", "--uart1")
             self.both(way, *taker, "stdio", stdin=silent)
+        self.both("semihosting_read", *taker, "stdio", "--record-session", "a.session", stdin=silent)
 
     def test_a_debugger_that_does_not_come(self):
         for way in SOME:

@@ -133,7 +133,8 @@ void CoreTlm::thread() {
   if (!begin()) return end(EndReason::interrupted);
   bool stays = false;  // the kernel has not run, and no other component has done anything
   for (;;) {
-    if (stays && (core_.cycles() - asked_at_ >= longest_ahead || is_called())) {
+    const bool is_alone = core_.cycles() - asked_at_ < longest_ahead && !is_called();
+    if (stays && (!is_alone || is_watched())) {
       horizon_.synchronise();
       horizon_.catch_up();
       stays = false;
@@ -146,7 +147,7 @@ void CoreTlm::thread() {
       if (reset_requested_) reset_system();
     }
     bool one = false;
-    if (debugger_ != nullptr) {
+    if (debugger_ != nullptr && !stays) {
       one = debugger_->before_run();
       if (debugger_->ended()) return end(EndReason::debugger);
       horizon_.settle();  // what it wrote to a device
@@ -165,7 +166,7 @@ void CoreTlm::thread() {
     const bool advanced = core_.cycles() != cycles || core_.instructions() != instructions;
     // The kernel may stay where it is until something happens in it.
     const bool may_stay = (reason == StopReason::attention || reason == StopReason::budget) &&
-                          !reset_requested_ && debugger_ == nullptr;
+                          !reset_requested_ && !is_watched();
     stays = may_stay && !horizon_.is_late();
     if (may_stay)
       horizon_.follow();
@@ -199,6 +200,7 @@ void CoreTlm::attend_to(StopReason reason) {
     case StopReason::reset_request:
       reset_system();
       break;
+    case StopReason::semihosting_waits:
     case StopReason::budget:
     case StopReason::attention:
     case StopReason::breakpoint:
@@ -221,7 +223,7 @@ void CoreTlm::end(EndReason reason) {
 }
 
 bool CoreTlm::skip_known_turns() {
-  return !sleep_.ends_on_idle() && polling_.skip_known(horizon_.limit());
+  return !sleep_.ends_on_idle() && debugger_ == nullptr && polling_.skip_known(horizon_.limit());
 }
 
 /// After an access: if the program only waits for a device, whole turns of its loop up to the next
@@ -246,7 +248,7 @@ void CoreTlm::invalidate(int, sc_dt::uint64 first, sc_dt::uint64 last) {
 bool CoreTlm::access(tlm::tlm_command command, uint32_t address, unsigned size, uint32_t& value,
                      unsigned& wait_cycles, AccessKind kind) {
   polling_.forget_read();
-  const bool may_write_early = polling_.enabled() && debugger_ == nullptr;
+  const bool may_write_early = polling_.enabled() && !is_watched();
   const BusAccess::Result result =
       bus_.access(command, address, size, value, kind, may_write_early);
   wait_cycles = result.wait_cycles;
@@ -254,7 +256,7 @@ bool CoreTlm::access(tlm::tlm_command command, uint32_t address, unsigned size, 
                 result.steady, horizon_.limit(), horizon_.kernel_runs());
   sleep_.note_access(address);
   if (polling_.seems_to_poll() || horizon_.is_nearer() || result.maps || horizon_.is_late() ||
-      debugger_ != nullptr || is_called())
+      is_watched() || is_called())
     core_.attention();
   return result.ok;
 }

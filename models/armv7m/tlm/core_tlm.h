@@ -157,6 +157,8 @@ class CoreTlm : public sc_core::sc_module,
   bool is_interrupted() override;
   void pause_if_due() override;
   bool has_debugger() const override { return debugger_ != nullptr; }
+  /// Core and kernel have to be at the same instant between any two runs.
+  bool is_watched() const { return debugger_ != nullptr && !debugger_->sees_stops_alone(); }
   bool debugger_looks() const override {
     return debugger_ != nullptr && debugger_->looks_at_sleep();
   }

@@ -24,6 +24,11 @@ class Debugger {
   /// looks_at_sleep().
   virtual bool wants_attention() const = 0;
   virtual bool looks_at_sleep() const { return true; }
+  /// True: neither before_run() nor a run that ends in StopReason::budget or attention matters to
+  /// it now. Then accesses to devices take no longer than without a debugger: runs that leave the
+  /// core ahead of the kernel follow each other, and before_run() is not called between them. Asked
+  /// between two runs, and at each access.
+  virtual bool sees_stops_alone() const { return false; }
   /// The most cycles that may pass in one run of the core.
   virtual uint64_t longest_run() const { return ~uint64_t{0}; }
   /// The debugger asked for the end of the simulation.

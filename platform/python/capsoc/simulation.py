@@ -79,9 +79,13 @@ class Simulation(Past):
         """What the program wrote to the console of semihosting since the last look."""
         return str(self.call("semihosting.read")["text"])
 
-    def type(self, text: str) -> None:
-        """Text for the program's next reads of the console of semihosting."""
-        self.call("semihosting.send", bytes=text)
+    def type(self, text: str, end: bool = False) -> None:
+        """Text for the program's next reads of the console of semihosting.
+
+        With the setting semihosting.console="stdio" an advance stops with the reason "console" at a read that has
+        no text left, unless end was given with the last one. Otherwise such a read is at the end of the input.
+        """
+        self.call("semihosting.send", bytes=text, **given({"end": end or None}))
 
     def advance(
         self,

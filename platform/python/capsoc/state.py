@@ -190,7 +190,8 @@ class Stop:
     """Why an advance ended. True if what was asked for was reached; False at a limit, an end, an interruption.
 
     reason: "time", "cycles", "instructions", "samples", "address", "exception", "uart", "expression", or "limit",
-    "interrupted", "over". match: of a UART's pattern, text and groups.
+    "interrupted", "over", "console" (the program reads its console, see type()).
+    match: of a UART's pattern, text and groups.
     """
 
     reason: str
@@ -200,7 +201,7 @@ class Stop:
     events: list[Event] = field(default_factory=list)
 
     def __bool__(self) -> bool:
-        return self.reason not in ("limit", "interrupted", "over") or self.asked == self.reason == "over"
+        return self.reason not in ("limit", "interrupted", "over", "console") or self.asked == self.reason == "over"
 
 
 @dataclass(frozen=True)

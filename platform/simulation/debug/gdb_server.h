@@ -36,6 +36,9 @@ class GdbServer : public armv7m::Debugger, private Clients::Processor {
   bool after_run(armv7m::StopReason reason, bool advanced) override;
   bool asleep_for_good() override;
   bool wants_attention() const override { return clients_.is_halted() || clients_.any(); }
+  bool sees_stops_alone() const override {
+    return clients_.how().kind == Resume::Kind::run && !wants_attention();
+  }
   bool ended() const override { return gave_up_ || clients_.is_killed(); }
 
  private:

@@ -71,9 +71,17 @@ SemihostingPort::SemihostingPort(soc::Soc& soc, std::unique_ptr<serial::Characte
   soc_.cpu.core().listeners().semihosting = [this](armv7m::Core& core) {
     soc_.cpu.note_work();
     uint32_t result = core.reg(0);
-    const bool goes_on = semihosting_.call(core.reg(0), core.reg(1), result);
+    switch (semihosting_.call(core.reg(0), core.reg(1), result)) {
+      case semihosting::Semihosting::Outcome::asks_again:
+        core.ask_again();
+        return true;
+      case semihosting::Semihosting::Outcome::ended:
+        return false;
+      case semihosting::Semihosting::Outcome::answered:
+        break;
+    }
     core.set_reg(0, result);
-    return goes_on;
+    return true;
   };
 }
 

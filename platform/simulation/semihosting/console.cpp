@@ -1,5 +1,6 @@
 #include "semihosting/console.h"
 
+#include <algorithm>
 #include <chrono>
 #include <thread>
 #include <utility>
@@ -36,10 +37,12 @@ bool Console::refill() {
   return true;
 }
 
-std::string Console::read(std::size_t most) {
+/// However the host cuts its input into pieces, the guest gets the same ones.
+std::optional<std::string> Console::read(std::size_t most) {
   flush();  // the prompt
-  if (!refill()) return {};
-  std::string text = incoming_.substr(0, most);
+  if (!refill()) return backend_->asks() ? std::nullopt : std::optional(std::string());
+  const std::size_t line = std::min(incoming_.find('\n'), incoming_.size() - 1) + 1;
+  std::string text = incoming_.substr(0, std::min(most, line));
   incoming_.erase(0, text.size());
   return text;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -22,8 +23,9 @@ class Console {
   void finish();
   /// Why text was lost, a sentence; empty if none was.
   std::string failure() const { return backend_->failure(); }
-  /// 1 to `most` bytes; empty at the end of the input.
-  std::string read(std::size_t most);
+  /// 1 to `most` bytes of a line; empty at the end of the input. Nothing: a client was asked for
+  /// input, the guest's read has to be repeated.
+  std::optional<std::string> read(std::size_t most);
   /// The rest of a line of which the guest has read a part.
   void visit(Archive& archive) { archive("incoming", incoming_); }
 

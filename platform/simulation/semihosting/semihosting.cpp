@@ -60,13 +60,19 @@ Semihosting::Semihosting(GuestMemory& memory, GuestFiles files, Console& console
       console_(console),
       environment_(std::move(environment)) {}
 
-bool Semihosting::call(uint32_t operation, uint32_t argument, uint32_t& result) {
+Semihosting::Outcome Semihosting::call(uint32_t operation, uint32_t argument, uint32_t& result) {
   if (operation == sys_exit || operation == sys_exit_extended) {
     end(operation, argument);
-    return false;
+    return Outcome::ended;
   }
-  result = static_cast<uint32_t>(dispatch(operation, argument));
-  return true;
+  const int errno_before = errno_;
+  const auto answer = static_cast<uint32_t>(dispatch(operation, argument));
+  if (std::exchange(asks_again_, false)) {
+    errno_ = errno_before;
+    return Outcome::asks_again;
+  }
+  result = answer;
+  return Outcome::answered;
 }
 
 int64_t Semihosting::dispatch(uint32_t operation, uint32_t argument) {
@@ -222,12 +228,18 @@ int64_t Semihosting::write(uint32_t argument) {
   return 0;
 }
 
+std::string Semihosting::read_console(std::size_t most) {
+  std::optional<std::string> bytes = console_.read(most);
+  asks_again_ = !bytes;
+  return std::move(bytes).value_or("");
+}
+
 /// The next bytes of what can be read, none at its end.
 std::string Semihosting::take(File& from, std::size_t most, int& error) {
   error = 0;
   switch (from.kind) {
     case File::Kind::console_in:
-      return console_.read(most);
+      return read_console(most);
     case File::Kind::features: {
       const auto rest = features.substr(std::min<std::size_t>(from.position, features.size()));
       from.position += static_cast<uint32_t>(std::min(most, rest.size()));
@@ -268,7 +280,7 @@ int64_t Semihosting::read(uint32_t argument) {
 }
 
 int64_t Semihosting::read_character() {
-  const std::string character = console_.read(1);
+  const std::string character = read_console(1);
   return character.empty() ? fail(EIO) : static_cast<uint8_t>(character[0]);
 }
 

@@ -35,8 +35,13 @@ class Semihosting {
  public:
   Semihosting(GuestMemory& memory, GuestFiles files, Console& console, Environment environment);
 
-  /// `result`: what r0 becomes. Returns false when the guest ended the run.
-  bool call(uint32_t operation, uint32_t argument, uint32_t& result);
+  enum class Outcome {
+    answered,
+    ended,       ///< the guest ended the run
+    asks_again,  ///< nothing has changed: the same call is made again when the console has input
+  };
+  /// `result`: what r0 becomes if the call is answered.
+  Outcome call(uint32_t operation, uint32_t argument, uint32_t& result);
 
   /// The status that the guest ended with.
   int exit_status() const { return exit_status_; }
@@ -81,6 +86,7 @@ class Semihosting {
   std::optional<std::string> name_at(uint32_t address, uint32_t size);
   File* file(uint32_t handle);
   std::string take(File& file, std::size_t most, int& error);
+  std::string read_console(std::size_t most);
   int64_t fail(int error);
 
   GuestMemory& memory_;
@@ -90,6 +96,7 @@ class Semihosting {
   std::map<uint32_t, File> open_;
   std::set<uint32_t> unknown_;  ///< operations that were warned of
   int errno_ = 0, exit_status_ = 0;
+  bool asks_again_ = false;
 };
 
 }  // namespace capsoc::semihosting

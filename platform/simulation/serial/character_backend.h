@@ -25,6 +25,8 @@ class CharacterBackend {
   virtual void write(std::string_view bytes) = 0;
   /// Returns received bytes without waiting; empty: none at present.
   virtual std::string read() { return {}; }
+  /// True if it has no input now and has asked a client for some: the guest's read is repeated.
+  virtual bool asks() { return false; }
   /// True if the host decides when bytes arrive. Otherwise read() depends only on a file.
   virtual bool live() const { return false; }
   /// True if a client would get what is written now.

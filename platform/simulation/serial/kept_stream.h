@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -69,7 +70,18 @@ class KeptStream {
   /// The output from now on is new, even if the guest went back in time.
   void forget_told() { told_ = sent_; }
 
+  /// From here on the guest's reads wait for input, and ask for it by this.
+  void ask_by(std::function<void()> ask) { ask_ = std::move(ask); }
+  /// Asks for input; false: none will come, a read with none left is at the end of the input.
+  bool asks() {
+    if (!ask_ || is_at_end_) return false;
+    ask_();
+    return true;
+  }
   void give(std::string_view bytes) { given_ += bytes; }
+  /// After what was given nothing comes.
+  void end_input() { is_at_end_ = true; }
+  bool has_ended() const { return is_at_end_; }
   /// The next line of input, or the rest.
   std::string read() {
     const std::size_t end = given_.find('\n');
@@ -82,6 +94,8 @@ class KeptStream {
  private:
   std::string said_, given_;
   uint64_t lost_ = 0, sent_ = 0, told_ = 0;
+  std::function<void()> ask_;
+  bool is_at_end_ = false;
 };
 
 /// The backend of such a stream. The stream must outlive it.
@@ -90,6 +104,7 @@ class KeptBackend final : public CharacterBackend {
   explicit KeptBackend(KeptStream& stream) : stream_(stream) {}
   void write(std::string_view bytes) override { stream_.say(bytes); }
   std::string read() override { return stream_.read(); }
+  bool asks() override { return stream_.asks(); }
 
  private:
   KeptStream& stream_;

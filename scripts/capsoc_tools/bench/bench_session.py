@@ -74,16 +74,37 @@ def print_requests(rates, names):
             print(f"ratio to{name}: {spread(ratios, 'times')}")
 
 
-def main_job(program, capsoc):
+def main_job(program, capsoc, count):
+    """`count` main jobs: each by `capsoc run`, each in a separate session, all one after the other in one session."""
+
     def run():
-        subprocess.run([program, "run", "--json", os.devnull], check=True, capture_output=True)
+        for _ in range(count):
+            subprocess.run([program, "run", "--json", os.devnull], check=True, capture_output=True)
 
-    def session():
-        with capsoc.Session(program) as owner, owner.run() as simulation:
-            simulation.advance()
-            assert simulation.finish().passed
+    def in_session(many):
+        with capsoc.Session(program) as owner:
+            for _ in range(many):
+                with owner.run() as simulation:
+                    simulation.advance()
+                    assert simulation.finish().passed
 
-    return run, session
+    return run, lambda: [in_session(1) for _ in range(count)], lambda: in_session(count)
+
+
+def print_main_jobs(ways, count, repeat):
+    """In turns; the time of one main job."""
+    seconds = [[] for _ in ways]
+    for _ in range(repeat):
+        for of_way, way in zip(seconds, ways):
+            of_way.append([each / count for each in processor_timed(way)])
+    names = ("by capsoc run", "in a separate session", f"in a session with {count - 1} others")
+    for kind, what in enumerate(("main job", "main job, processor time")):
+        direct, *driven = ([pair[kind] for pair in of_way] for of_way in seconds)
+        print(f"{what}, {names[0]}: {spread(direct, 's')}")
+        for name, times in zip(names[1:], driven):
+            ratios = [ours / theirs for ours, theirs in zip(times, direct)]
+            print(f"{what}, {name}: {spread(times, 's')}")
+            print(f"ratio: {spread(ratios, 'times')}, of the least {min(times) / min(direct):.3f}")
 
 
 def side_by_side(session, count):
@@ -119,6 +140,7 @@ def main():
     parser = argparse.ArgumentParser(prog="bench_session", description=__doc__)
     parser.add_argument("--program", default=SOURCE / "build" / "capsoc", type=Path)
     parser.add_argument("--repeat", default=5, type=int)
+    parser.add_argument("--jobs", default=8, type=int, help="main jobs of a turn")
     parser.add_argument("--requests", default=1000, type=int, help="of a block")
     parser.add_argument("--blocks", default=40, type=int, help="of requests of each program")
     parser.add_argument("--other", type=Path, help="a program whose requests alternate with ours")
@@ -135,18 +157,7 @@ def main():
     print_requests(rates, [f" ({program.name})" for program in programs] if arguments.other else [""])
     if arguments.only_requests:
         return 0
-    run, in_session = main_job(arguments.program, capsoc)
-    direct, driven = [], []
-    for _ in range(arguments.repeat):
-        direct.append(processor_timed(run))
-        driven.append(processor_timed(in_session))
-    for kind, what in enumerate(("main job", "main job, processor time")):
-        one, other = ([pair[kind] for pair in pairs] for pairs in (direct, driven))
-        print(f"{what}, capsoc run: {spread(one, 's')}")
-        print(f"{what}, a separate session from Python: {spread(other, 's')}")
-        print(
-            f"ratio: {spread([b / a for a, b in zip(one, other)], 'times')}, of the least {min(other) / min(one):.3f}"
-        )
+    print_main_jobs(main_job(arguments.program, capsoc, arguments.jobs), arguments.jobs, arguments.repeat)
 
     with capsoc.Session(arguments.program) as session:
         settings = {"demodulation_samples": 1000000000}
