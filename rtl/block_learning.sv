@@ -5,9 +5,11 @@
 //               and 25, a_u to c_v
 //   sum_o       s48, Q2.46: the block's sum of the one that will be at the ring's place 0 in the next cycle, from 13 on
 //   learning_o  valid in T3's tick
-// With Present = 0 every update is a coefficient's.
+//   bad_sum_o   from cycle 25 of it on: a sum that it read does not fit its parity bit
+// With Present = 0 every update is a coefficient's. With Safety = 0 there are no parity bits.
 module block_learning #(
-  parameter int Present = 1
+  parameter int Present = 1,
+  parameter int Safety  = 1
 ) (
   input  logic        clk_i,
   input  logic        rst_ni,
@@ -20,6 +22,7 @@ module block_learning #(
   input  logic        learns_i,    // which learns
   input  logic        block_i,     // CTRL
   input  logic        guard_i,
+  input  logic        bad_parity_i,  // the tick's sums get the wrong parity bits
   input  logic        commit_i,    // T4 ends with one
   input  logic        ended_i,     // which ended its window
   input  logic        good_i,      // the window that ended last, with that one, was good
@@ -27,7 +30,8 @@ module block_learning #(
   output learning_t   learning_o,
   input  logic        weight_valid_i,
   input  logic [47:0] weight_i,
-  output logic [47:0] sum_o
+  output logic [47:0] sum_o,
+  output logic        bad_sum_o
 );
 
   // open: the block began with a window; begun: a sample is in its sums; within: no window has ended
@@ -40,17 +44,18 @@ module block_learning #(
   assign sum = block && !ended && learns_i && open_q;
   assign update = learns_i && (!block || (ended && begun_q && counts));
 
-  logic update_q, sum_q, from_sums_q;
+  logic update_q, sum_q, from_sums_q, bad_parity_q;
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
       {open_q, begun_q, within_q} <= '0;
-      {update_q, sum_q, from_sums_q} <= '0;
+      {update_q, sum_q, from_sums_q, bad_parity_q} <= '0;
     end else if (clear_i) begin
       {open_q, begun_q, within_q} <= '0;
     end else if (boundary_i) begin
       update_q <= update;
       sum_q <= sum;
       from_sums_q <= block && begun_q;
+      bad_parity_q <= bad_parity_i;
       if (start_i) begin
         open_q <= block && (open_q || ended);
         begun_q <= block && !ended && (begun_q || sum);
@@ -82,9 +87,9 @@ module block_learning #(
     SumCv = 3'd5
   } sum_e;
 
-  // The sums: six words. Synthesis takes a block memory for 64 words and more, and logic for fewer.
-  logic [47:0] sums[0:63];
-  logic [47:0] sum_read_q;
+  // The sums: six words, each below its parity bit. Synthesis takes a block memory for 64 words and more, and logic for fewer.
+  logic [48:0] sums[0:63];
+  logic [48:0] sum_read_q;
   logic [2:0] write_address, read_address;
   always_comb begin
     unique case (cycle_i)
@@ -106,10 +111,20 @@ module block_learning #(
     endcase
   end
   always_ff @(posedge clk_i) begin
-    if (sum_q && weight_valid_i) sums[{3'b0, write_address}] <= weight_i;
+    if (sum_q && weight_valid_i) sums[{3'b0, write_address}] <= {Safety != 0 && (^weight_i ^ bad_parity_q), weight_i};
     if (active_i) sum_read_q <= sums[{3'b0, read_address}];
   end
-  assign sum_o = sum_read_q;
+  assign sum_o = sum_read_q[47:0];
+
+  // The ring takes a sum three cycles before the first is written, and with all but the last that are.
+  logic taken, bad_sum_q;
+  assign taken = cycle_i == WriteAu - 5'd3 || cycle_i == WriteAu || cycle_i == WriteBu || cycle_i == WriteCu ||
+                 cycle_i == WriteAv || cycle_i == WriteBv;
+  always_ff @(posedge clk_i) begin
+    if (boundary_i) bad_sum_q <= 1'b0;
+    else if (from_sums_q && taken) bad_sum_q <= Safety != 0 && (bad_sum_q || ^sum_read_q);
+  end
+  assign bad_sum_o = bad_sum_q;
 
 `ifdef VERILATOR
   always_ff @(posedge clk_i) begin
@@ -122,7 +137,7 @@ module block_learning #(
 `ifdef FORMAL
   // A second reading port, so that a proof can relate one sum to its shadow.
   (* anyconst *) logic [2:0] probe;
-  logic [47:0] probed;
+  logic [48:0] probed;
   assign probed = sums[{3'b0, probe}];
 `endif
 

@@ -73,8 +73,10 @@ module datapath #(
   learning_t learning;
   logic ended, last_good, last_timeout, updates;
   logic [47:0] sum;
+  logic bad_sum, bad_node;
   block_learning #(
-    .Present(Paper == 0 && Block != 0 ? 1 : 0)
+    .Present(Paper == 0 && Block != 0 ? 1 : 0),
+    .Safety (Safety)
   ) u_block_learning (
     .clk_i, .rst_ni, .clear_i,
     .boundary_i    (boundary),
@@ -84,6 +86,7 @@ module datapath #(
     .learns_i      (demod && !frozen_i && !hold_weights),
     .block_i       (settings_i.block),
     .guard_i       (settings_i.guard),
+    .bad_parity_i  (settings_i.safety.BAD_PARITY),
     .commit_i      (commit_o),
     .ended_i       (ended),
     .good_i        (last_good),
@@ -91,7 +94,8 @@ module datapath #(
     .learning_o    (learning),
     .weight_valid_i(core.weight_valid),
     .weight_i      (core.weight),
-    .sum_o         (sum)
+    .sum_o         (sum),
+    .bad_sum_o     (bad_sum)
   );
   assign updates = learning.update;
   assign state_we_o.weights_u = boundary && ((stage[3] && updates) || load[1]);
@@ -118,7 +122,8 @@ module datapath #(
   assign phi_now = state_we_o.parameters ? parameters.phi : parameters_now.phi;
   logic [31:0] relative;
   harmonic_correction #(
-    .Present(Paper == 0 && Harmonics != 0 ? 1 : 0)
+    .Present(Paper == 0 && Harmonics != 0 ? 1 : 0),
+    .Safety (Safety)
   ) u_harmonic_correction (
     .clk_i,
     .boundary_i(boundary),
@@ -129,8 +134,10 @@ module datapath #(
     .write_i   (correction_i.write),
     .node_i    (correction_i.node),
     .value_i   (correction_i.value),
+    .bad_parity_i(settings_i.safety.BAD_PARITY),
     .relative_i(core.relative),
-    .relative_o(relative)
+    .relative_o(relative),
+    .bad_node_o(bad_node)
   );
 
   reference_generator #(
@@ -309,6 +316,8 @@ module datapath #(
     .boundary_i   (boundary),
     .safety_i     (settings_i.safety),
     .bad_parity_i, .bad_safety_i,
+    .bad_node_i   (bad_node),
+    .bad_sum_i    (bad_sum),
     .error_valid_i(core.error_valid),
     .error_i      (core.error),
     .step_i       (step),

@@ -2,6 +2,7 @@
 // Safety mechanisms (docs/reference/coprocessor.md): what is wrong with the sample that T4 commits.
 //
 //   bad_parity_i  with boundary_i: a register does not fit its parity bit; bad_safety_i: SAFETY does not
+//   bad_node_i    with boundary_i: a node that T1 read does not fit its parity bit; bad_sum_i: a block's sum that T3 read
 //   error_i       s32, Q1.31, with error_valid_i: an error of T3
 //   step_i        s30, 2^-30 turn, with the commit: from the angle of the sample before; 0 for the first one
 //   pending_i     with the commit: software has not taken the result before
@@ -15,6 +16,8 @@ module safety_monitor #(
   input  capsoc_coprocessor_safety_t safety_i,
   input  logic        bad_parity_i,
   input  logic        bad_safety_i,
+  input  logic        bad_node_i,
+  input  logic        bad_sum_i,
   input  logic        error_valid_i,
   input  logic [31:0] error_i,
   input  logic [29:0] step_i,
@@ -42,12 +45,16 @@ module safety_monitor #(
     assign step_beyond[j] = step_limit_q > 5'(j) && step_i[28-j] != step_i[29];
   end
 
+  // What T1 and T3 have read belongs to the samples that are in T2 and T4 from this boundary on.
+  logic [4:0] bad_words;
+  assign bad_words = {bad_sum_i, 1'b0, bad_node_i, 2'b00};
+
   // No reset: a tag means nothing unless its stage holds a sample.
   logic [4:0] bad_parity_q, bad_safety_q;  // of T0 to T4
   logic misfit3_q, misfit4_q;
   always_ff @(posedge clk_i) begin
     if (boundary_i) begin
-      bad_parity_q <= {bad_parity_q[3:0], 1'b0} | {5{bad_parity_i}};
+      bad_parity_q <= {bad_parity_q[3:0], 1'b0} | {5{bad_parity_i}} | bad_words;
       bad_safety_q <= {bad_safety_q[3:0], 1'b0} | {5{bad_safety_i}};
       misfit3_q <= 1'b0;
       misfit4_q <= misfit3_q;

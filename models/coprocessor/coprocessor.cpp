@@ -90,6 +90,7 @@ void Coprocessor::soft_reset() {
   IdleState start = power_on_state();
   start.cycle = arch_.cycle;
   start.corrections = arch_.corrections;  // a memory without a reset
+  start.unfit_corrections = arch_.unfit_corrections;
   arch_ = start;
 }
 
@@ -135,9 +136,11 @@ void Coprocessor::start_tick(uint64_t unfit) {
   }
   if (sequencer_.occupied(1)) {
     datapath_.relative_angle(pipe_[1]);
-    if (arch_.settings.correct)
-      pipe_[1].relative =
-          corrected_angle(arch_.corrections, pipe_[1].relative, arch_.state.parameters.phi);
+    if (arch_.settings.correct) {
+      const uint32_t phi = arch_.state.parameters.phi;
+      if (reads_one(arch_.unfit_corrections, pipe_[1].relative, phi)) pipe_[1].bad_parity = true;
+      pipe_[1].relative = corrected_angle(arch_.corrections, pipe_[1].relative, phi);
+    }
     pipe_[1].saturated_after[1] = pipe_[1].saturated;
   }
   if (sequencer_.occupied(2)) {
@@ -151,6 +154,8 @@ void Coprocessor::start_tick(uint64_t unfit) {
     const bool learns = arch_.settings.demodulate && !frozen() && !pipe_[3].hold_weights;
     const LearningPlan plan =
         plan_learning(arch_.state.block, arch_.settings, learns, arch_.judge.last.flags);
+    if (plan.from_sums && arch_.state.block.unfit != 0) pipe_[3].bad_parity = true;
+    pending_.sums_unfit = (arch_.safety & safety_bad_parity) != 0;
     datapath_.demodulation(pipe_[3], arch_.settings, arch_.state, plan, pending_.learning);
     pipe_[3].next_coefficients =
         plan.update || plan.sum ? pending_.learning.coefficients : Coefficients{};
@@ -187,8 +192,15 @@ void Coprocessor::commit_tick() {
       arch_.state.coefficients = pending_.learning.coefficients;
       written(weights_u_parity | weights_v_parity);
     }
-    if (pending_.learning.sum) arch_.state.block.sums = pending_.learning.coefficients;
-    if (!arch_.state.block.begun) arch_.state.block.sums = {};
+    BlockLearning& block = arch_.state.block;
+    if (pending_.learning.sum) {
+      block.sums = pending_.learning.coefficients;
+      block.unfit = pending_.sums_unfit ? BlockLearning::all_unfit : 0;
+    }
+    if (!block.begun) {
+      block.sums = {};
+      block.unfit = 0;
+    }
     arch_.state.error_sum_u = pending_.learning.error_sum_u;
     arch_.state.error_sum_v = pending_.learning.error_sum_v;
   }

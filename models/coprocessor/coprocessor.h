@@ -45,6 +45,7 @@ class Coprocessor final : public Device {
     ReferenceState reference;
     bool steer_frequency = false;
     Learning learning;
+    bool sums_unfit = false;  // a block's sums are written with the wrong parity bits
     PolarResult polar;
     bool keep_parameters = false, calibrate = false, lock = false, diverged = false;
     TurnJudge judge;

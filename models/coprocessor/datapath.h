@@ -19,7 +19,8 @@ struct Packet {
   int32_t v = 0;
   bool clip = false;
   bool saturated = false;
-  // As a tick began with it, a register did not fit its parity bit; SAFETY did not.
+  // As a tick began with it, a register did not fit its parity bit, or a word of a memory that it
+  // read; SAFETY did not.
   bool bad_parity = false;
   bool bad_safety = false;
   // T0

@@ -46,6 +46,7 @@ struct IdleState {
   std::array<uint32_t, 8> staged_low{};
   std::array<uint32_t, 8> latched_low{};
   CorrectionTable corrections{};  // outlives a reset
+  NodeBits unfit_corrections{};   // nodes that do not fit their parity bit; outlives it, too
   Nodes nodes;                    // of the last result
 
   void visit(Archive& archive);

@@ -198,9 +198,12 @@ void Coprocessor::write_correction(uint32_t value) {
     arch_.flags |= flag_config;
     return;
   }
+  const uint32_t node = field(value, correction_node_mask);
   const uint32_t word = field(value, correction_value_mask);
-  arch_.corrections[field(value, correction_node_mask)] =
-      static_cast<int32_t>(fixed::sign_extend<20>(word));
+  arch_.corrections[node] = static_cast<int32_t>(fixed::sign_extend<20>(word));
+  uint64_t& unfit = arch_.unfit_corrections[node / 64];
+  const uint64_t bit = uint64_t{1} << node % 64;
+  unfit = (arch_.safety & safety_bad_parity) != 0 ? unfit | bit : unfit & ~bit;
 }
 
 void Coprocessor::write_safety(uint32_t value) {

@@ -27,6 +27,7 @@ void BlockLearning::visit(Archive& archive) {
   archive("open", open);
   archive("begun", begun);
   archive("window_ended", window_ended);
+  archive.at_most("unfit", unfit, all_unfit);
 }
 
 void Steps::visit(Archive& archive) {
@@ -197,6 +198,7 @@ void Coprocessor::Pending::visit(Archive& archive) {
   archive("error_average", error_average);
   archive("load_rotation", load_rotation);
   archive("load_weights", load_weights);
+  archive("sums_unfit", sums_unfit);
 }
 
 void IdleState::visit(Archive& archive) {
@@ -225,6 +227,7 @@ void IdleState::visit(Archive& archive) {
   };
   if (!std::all_of(corrections.begin(), corrections.end(), fits))
     archive.refuse("has a correction that does not fit 20 bits");
+  archive("unfit_corrections", unfit_corrections);
   archive("nodes", nodes);
 }
 

@@ -49,6 +49,9 @@ struct BlockLearning {
   bool open = false;          // a block is under way: it began with a window
   bool begun = false;         // a sample is in its sums
   bool window_ended = false;  // since the last sample that T3 began with
+  unsigned unfit = 0;         // a bit for each sum, a_u to c_v: it does not fit its parity bit
+
+  static constexpr unsigned all_unfit = 0x3F;
 
   void visit(Archive& archive);
 };

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Checks block_learning.sv against docs/reference/coprocessor.md, "Block learning". Covers the three cases of T3's
-// start, and any one of the six sums, from the cycle in which T3 writes it to the one in which the ring takes it.
+// start, and any one of the six sums, from the cycle in which T3 writes it to the one in which the ring takes it. If it does not
+// fit its parity bit then, the tick says so; that nothing else makes it say so is not proven.
 module block_learning_properties (
   input logic        clk_i, clear_i, boundary_i, active_i,
   input logic [4:0]  cycle_i,
-  input logic        start_i, learns_i, block_i, guard_i, commit_i, ended_i, good_i, timeout_i,
+  input logic        start_i, learns_i, block_i, guard_i, bad_parity_i, commit_i, ended_i, good_i, timeout_i,
   input logic        weight_valid_i,
   input logic [47:0] weight_i
 );
@@ -14,15 +15,18 @@ module block_learning_properties (
 
   learning_t   learning;
   logic [47:0] sum;
+  logic        bad_sum;
   block_learning dut (
     .clk_i, .rst_ni (~in_reset), .clear_i, .boundary_i, .cycle_i, .active_i, .start_i, .learns_i, .block_i, .guard_i,
-    .commit_i, .ended_i, .good_i, .timeout_i, .learning_o (learning), .weight_valid_i, .weight_i, .sum_o (sum)
+    .bad_parity_i, .commit_i, .ended_i, .good_i, .timeout_i, .learning_o (learning), .weight_valid_i, .weight_i, .sum_o (sum),
+    .bad_sum_o (bad_sum)
   );
   (* hierconn *) logic \dut.open_q ;
   (* hierconn *) logic \dut.begun_q ;
   (* hierconn *) logic \dut.within_q ;
+  (* hierconn *) logic \dut.bad_parity_q ;
   (* hierconn *) logic [2:0] \dut.probe ;
-  (* hierconn *) logic [47:0] \dut.probed ;
+  (* hierconn *) logic [48:0] \dut.probed ;
 
   // The page's state, and what T3 decides.
   logic open, begun, ended, started;
@@ -65,19 +69,32 @@ module block_learning_properties (
   logic        known = 1'b0, known_before = 1'b0, active_before = 1'b0;
   logic [4:0]  cycle_before;
   logic [47:0] kept, kept_before;
+  logic        wrong, unfit, unfit_before;  // the tick writes, the watched sum has, the wrong parity bit
   always @(posedge clk_i) begin
     known_before  <= known;
     kept_before   <= kept;
+    unfit_before  <= unfit;
+    if (boundary_i) wrong <= bad_parity_i;
     active_before <= active_i;
     cycle_before  <= cycle_i;
     if (learning.sum & weight_valid_i & cycle_i == written) begin
       known <= 1'b1;
       kept  <= weight_i;
+      unfit <= wrong;
     end
+  end
+
+  // The watched sum was taken in this tick, and did not fit its parity bit.
+  logic taken_unfit = 1'b0;
+  always @(posedge clk_i) begin
+    if (boundary_i) taken_unfit <= 1'b0;
+    else if (started & from_sums & known_before & unfit_before & active_before & cycle_i == taken & cycle_before == taken - 5'd1)
+      taken_unfit <= 1'b1;
   end
 
   always @* begin
     assume (\dut.probe < 3'd6);
+    if (taken_unfit) assert (bad_sum);
     assume (~weight_valid_i | cycle_i == 5'd16 | cycle_i == 5'd18 | cycle_i == 5'd19 | cycle_i == 5'd22 | cycle_i == 5'd24 |
             cycle_i == 5'd25);
     if (~in_reset) begin
@@ -86,7 +103,8 @@ module block_learning_properties (
       // Never both: a sample's update goes to the weights or to the sums.
       assert (~started | ~(learning.update & learning.sum));
     end
-    if (known) assert (\dut.probed == kept);
+    if (started) assert (\dut.bad_parity_q == wrong);
+    if (known) assert (\dut.probed == {^kept ^ unfit, kept});
     if (known_before & active_before & cycle_i == taken & cycle_before == taken - 5'd1) assert (sum == kept_before);
   end
 

@@ -3,10 +3,11 @@
 // neighbour.
 // T1 subtracts floor(S / 2^16). S is the exact sum of T[j] and of the node that each bit of f chooses, times the bit's
 // weight.
+// It also says whether one of these nodes does not fit its parity bit.
 // Not proven is that such a sum is T[j] (2^16 - f) + T[j + 1] f.
 // Assumed: nodes are not written in T1's tick, and its angle is stable from cycle 11 on.
 module harmonic_correction_properties (
-  input logic        clk_i, start_i, correct_i, write_i,
+  input logic        clk_i, start_i, correct_i, write_i, bad_parity_i,
   input logic [31:0] phi_i, relative_i,
   input logic [6:0]  node_i,
   input logic [19:0] value_i
@@ -23,15 +24,16 @@ module harmonic_correction_properties (
   end
 
   logic [31:0] relative;
+  logic bad_node;
   harmonic_correction dut (
     .clk_i, .boundary_i (boundary), .cycle_i (cycle), .start_i, .correct_i, .phi_i, .write_i, .node_i, .value_i,
-    .relative_i, .relative_o (relative)
+    .bad_parity_i, .relative_i, .relative_o (relative), .bad_node_o (bad_node)
   );
   (* hierconn *) logic [6:0]  \dut.probe ;
   (* hierconn *) logic [6:0]  \dut.probe_right ;
-  (* hierconn *) logic [19:0] \dut.probed ;
-  (* hierconn *) logic [19:0] \dut.probed_right ;
-  (* hierconn *) logic [19:0] \dut.word_q ;
+  (* hierconn *) logic [20:0] \dut.probed ;
+  (* hierconn *) logic [20:0] \dut.probed_right ;
+  (* hierconn *) logic [20:0] \dut.word_q ;
   (* hierconn *) logic [20:0] \dut.sum_q ;
   (* hierconn *) logic        \dut.correct_q ;
   (* hierconn *) logic [22:0] \dut.phi_q ;
@@ -41,6 +43,7 @@ module harmonic_correction_properties (
   logic [31:0] phi, relative_before;
   logic known = 1'b0, known_right = 1'b0, begun = 1'b0;
   logic signed [19:0] left, right;
+  logic left_unfit, right_unfit;  // it does not fit its parity bit
   always @(posedge clk_i) begin
     relative_before <= relative_i;
     if (boundary) begin
@@ -51,10 +54,12 @@ module harmonic_correction_properties (
     if (write_i & node_i == \dut.probe ) begin
       known <= 1'b1;
       left <= value_i;
+      left_unfit <= bad_parity_i;
     end
     if (write_i & node_i == \dut.probe_right ) begin
       known_right <= 1'b1;
       right <= value_i;
+      right_unfit <= bad_parity_i;
     end
   end
 
@@ -83,6 +88,15 @@ module harmonic_correction_properties (
   assign halved = sum >>> halvings;
   assign whole = sum >>> 16;
 
+  // The words with their parity bits, and whether one of those in the sum does not fit.
+  logic [20:0] left_word, right_word;
+  logic [15:0] looked_at;
+  logic unfit;
+  assign left_word = {^left ^ left_unfit, left};
+  assign right_word = {^right ^ right_unfit, right};
+  assign looked_at = cycle >= 5'd30 ? '1 : ~(16'hFFFF << index);
+  assign unfit = left_unfit | (right_unfit & |(fraction & looked_at));
+
   // How much the sum can be: k terms of 20 bits, the first of weight 1.
   logic signed [36:0] most;
   assign most = 37'sd524288 <<< halvings;
@@ -93,19 +107,20 @@ module harmonic_correction_properties (
     assert (running | cycle == 5'd0);
     if (begun) assert (\dut.correct_q == correct & \dut.phi_q == phi[31:9]);
     if (running) assert (begun);
-    if (known) assert (\dut.probed == left);
-    if (known_right) assert (\dut.probed_right == right);
+    if (known) assert (\dut.probed == left_word);
+    if (known_right) assert (\dut.probed_right == right_word);
     if (watched) begin
-      if (cycle == 5'd13) assert (\dut.sum_q == '0 & \dut.word_q == left);
-      if (cycle >= 5'd14 & cycle <= 5'd29) assert (\dut.word_q == (fraction[index] ? right : left));
+      if (cycle == 5'd13) assert (\dut.sum_q == '0 & \dut.word_q == left_word & ~bad_node);
+      if (cycle >= 5'd14 & cycle <= 5'd29) assert (\dut.word_q == (fraction[index] ? right_word : left_word));
       if (cycle >= 5'd14) begin
         assert (\dut.sum_q == halved[20:0]);
+        assert (bad_node == unfit);
         assert (sum >= -(most <<< 1) & sum <= (most <<< 1));
       end
       if (cycle >= 5'd30) assert (relative == relative_i - {whole[23:0], 8'b0});
     end
-    if (running & ~correct) assert (\dut.sum_q == '0 & relative == relative_i);
-    if (running & cycle <= 5'd12) assert (\dut.sum_q == '0);
+    if (running & ~correct) assert (\dut.sum_q == '0 & ~bad_node & relative == relative_i);
+    if (running & cycle <= 5'd12) assert (\dut.sum_q == '0 & ~bad_node);
   end
 
 endmodule

@@ -10,6 +10,7 @@ class BlockLearning:
 
     def __init__(self):
         self.sums = None
+        self.unfit = False  # the sums do not fit their parity bits
         self.open = self.begun = False
         self.ended = True
 

@@ -123,7 +123,8 @@ class Coprocessor:
     def start_t1(self, sample):
         find_relative(self.arithmetic, sample)
         if self.registers.correct:
-            sample.relative = self.correction.correct(sample.relative, self.registers.phi)
+            sample.relative, unfit = self.correction.correct(sample.relative, self.registers.phi)
+            sample.bad_parity |= unfit
 
     def start_t2(self, sample):
         refer(self.arithmetic, sample, self.registers)
@@ -136,6 +137,9 @@ class Coprocessor:
             self.registers.unfit.discard("FREQ")
 
     def start_t3(self, sample):
+        blocks = self.registers.blocks
+        sample.bad_parity |= self.registers.block and blocks.begun and blocks.unfit
+        sample.wrong_parity = bool(self.registers.safety & 1 << 8)
         demodulate(self.arithmetic, sample, self.registers)
         largest = 1 << 31 - self.registers.error_limit
         sample.misfit = any(not -largest <= error < largest for error in sample.errors)
@@ -147,6 +151,7 @@ class Coprocessor:
             self.registers.unfit.difference_update(names.WEIGHTS)
         if sample.next_sums_of_block is not None:
             self.registers.blocks.sums = sample.next_sums_of_block
+            self.registers.blocks.unfit = sample.wrong_parity
 
     def start_t4(self, sample):
         r = self.registers
@@ -279,4 +284,4 @@ class Coprocessor:
         if self.busy or self.arithmetic.paper:
             self.registers.flags |= names.CONFIG
         else:
-            self.correction.write(value)
+            self.correction.write(value, self.registers.safety & 1 << 8)

@@ -11,14 +11,18 @@ class HarmonicCorrection:
 
     def __init__(self):
         self.nodes = [0] * NODES
+        self.unfit = set()  # numbers of nodes that do not fit their parity bit
 
-    def write(self, word):
-        self.nodes[word >> 24 & 0x7F] = signed(word & 0xFFFFF, 20)
+    def write(self, word, bad_parity):
+        node = word >> 24 & 0x7F
+        self.nodes[node] = signed(word & 0xFFFFF, 20)
+        (self.unfit.add if bad_parity else self.unfit.discard)(node)
 
     def correct(self, relative, phi):
-        """The relative angle without the correction, u32."""
+        """The relative angle without the correction, u32, and whether a node of it did not fit."""
         position = (relative >> 9) + (phi >> 9)
         j, f = position // SPACING % NODES, position % SPACING
-        left, right = self.nodes[j], self.nodes[(j + 1) % NODES]
-        correction = (left * (SPACING - f) + right * f) // SPACING
-        return (relative - correction * 256) % TURN_32
+        right = (j + 1) % NODES
+        correction = (self.nodes[j] * (SPACING - f) + self.nodes[right] * f) // SPACING
+        unfit = j in self.unfit or f > 0 and right in self.unfit
+        return (relative - correction * 256) % TURN_32, unfit

@@ -252,6 +252,11 @@ void Bench::cover_safety(const Nodes& n, uint32_t flags_before) {
     for (size_t i = 0; i < parity_registers.size(); ++i)
       coverage_.hit_if(unfit_ == parity_bit(parity_registers[i]), Group::parity, i);
 
+  const size_t memories_at = parity_registers.size();
+  const bool is_memory = found == safety_parity && unfit_ == 0;
+  coverage_.hit_if(is_memory && (ctrl_ & ctrl_correct) != 0, Group::parity, memories_at);
+  coverage_.hit_if(is_memory && (ctrl_ & ctrl_block) != 0, Group::parity, memories_at + 1);
+
   const unsigned error_limit = field(safety_, safety_error_limit_mask),
                  step_limit = std::min(29u, field(safety_, safety_step_limit_mask));
   const auto most = [](unsigned bits) { return (int64_t{1} << bits) - 1; };

@@ -93,11 +93,14 @@ std::vector<std::string> slews() {
   return names;
 }
 
+constexpr std::array<const char*, 2> memories = {"a node of the correction", "a block's sum"};
+
 std::vector<std::string> parities() {
   std::vector<std::string> names;
   names.reserve(coprocessor::parity_registers.size());
   for (const uint32_t offset : coprocessor::parity_registers)
     names.emplace_back(coprocessor::find_rule(offset)->about->name);
+  for (const char* memory : memories) names.emplace_back(memory);
   return names;
 }
 
@@ -231,6 +234,8 @@ bool reachable(Arithmetic arithmetic, Group group, const std::string& bin) {
   switch (group) {
     case Group::tie:
       return bin == "phase to REF_PHASE" || bin == "KP shift" || bin == "KI shift";
+    case Group::parity:  // it has neither
+      return std::find(memories.begin(), memories.end(), bin) == memories.end();
     case Group::saturation:
       return bin != "amplitude" && bin.rfind("CAL_S", 0) != 0;
     default:

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "coprocessor/harmonic_correction.h"
 #include "coprocessor/register_map.h"
 #include "regress/scenario.h"
 
@@ -100,6 +101,62 @@ void parity_of_words(Bench& bench, Random& random, uint32_t ctrl) {
   }
 }
 
+// SAFETY as wanted, with the right parity bit, whatever it was.
+void set_safety(Bench& bench, uint32_t safety) {
+  for (unsigned i = 0; i < 2; ++i) bench.write(reg_safety, safety & ~safety_bad_parity);
+  bench.write(reg_safety, safety);
+}
+
+constexpr double radius = 2147000000, whole_turn = 6.283185307179586;
+
+// With the reset's coefficients the sensor's angle, in turns.
+void sample_at(Bench& bench, double angle) {
+  const auto word = [](double value) { return static_cast<uint32_t>(static_cast<int32_t>(value)); };
+  bench.sample(word(radius * std::sin(whole_turn * angle)),
+               word(radius * std::cos(whole_turn * angle)));
+}
+
+// A node with the wrong bit, and samples in front of its neighbours, at it, and after it.
+void parity_of_nodes(Bench& bench, Random& random) {
+  const auto write_node = [&](unsigned node) {
+    bench.write(reg_correction, node << description::CORRECTION_NODE_shift |
+                                    (random.word32() & correction_value_mask));
+  };
+  begin(bench, 0, safety_parity);
+  for (unsigned node = 0; node < correction_nodes; ++node) write_node(node);
+  bench.write(reg_ctrl, calibrating | ctrl_correct);
+  for (unsigned i = 0; i < 32 && !bench.failed(); ++i) {
+    // Every second one is at a quarter of a turn, whose angle has no fraction.
+    const unsigned node = i % 2 == 0 ? i / 2 % 4 * 32 : random.below(correction_nodes);
+    set_safety(bench, safety_parity | safety_bad_parity);
+    write_node(node);
+    set_safety(bench, safety_parity);
+    for (const double beside : {-1.5, -1.0, -0.5, 0.0, 0.5, 1.0}) {
+      sample_at(bench, (node + beside) / correction_nodes);
+      take(bench);
+    }
+    write_node(node);
+    sample_at(bench, (node + 0.5) / correction_nodes);
+    take(bench);
+  }
+}
+
+// Sums that a tick has written with the wrong bits, as the next sample of the block reads them.
+void parity_of_sums(Bench& bench, Random& random) {
+  begin(bench, calibrating | ctrl_demod | ctrl_block, safety_parity);
+  bench.write(reg_judge, description::JUDGE_reset | judge_count);
+  bench.write(reg_turn_limit, 5);
+  for (unsigned i = 0; i < 64 && !bench.failed(); ++i) {
+    set_safety(bench, safety_parity | (random.chance(0.4) ? safety_bad_parity : 0));
+    bench.sample(random.word32() >> 2, random.word32() >> 2);
+    if (random.chance(0.5)) {
+      bench.wait(random.below(latency_cycles));
+      set_safety(bench, safety_parity | (random.chance(0.5) ? safety_bad_parity : 0));
+    }
+    take(bench);
+  }
+}
+
 // A wrong bit that no enabled mechanism looks at.
 void unwatched_parity(Bench& bench, Random& random) {
   for (const uint32_t offset : {reg_loop, reg_bv_lo}) {
@@ -176,9 +233,7 @@ void around_step_limits(Bench& bench, Random& random) {
       angle += i % 3 == 0   ? limit + beside
                : i % 3 == 1 ? -limit + beside
                             : limit * 2 * (random.uniform() - 0.5);
-      constexpr double radius = 2147000000, tau = 6.283185307179586;
-      bench.sample(static_cast<uint32_t>(static_cast<int32_t>(radius * std::sin(tau * angle))),
-                   static_cast<uint32_t>(static_cast<int32_t>(radius * std::cos(tau * angle))));
+      sample_at(bench, angle);
       take(bench);
     }
   }
@@ -251,6 +306,8 @@ void run_parity(Bench& bench, Random& random, const Budget&) {
   each_parity(bench, random, calibrating);
   each_parity(bench, random, calibrating | ctrl_demod | 1u << ctrl_ref_shift | ctrl_ie_safety);
   parity_of_words(bench, random, calibrating);
+  parity_of_nodes(bench, random);
+  parity_of_sums(bench, random);
   unwatched_parity(bench, random);
   parity_at_every_edge(bench, random, calibrating);
   parity_at_every_edge(bench, random, calibrating | ctrl_demod | 1u << ctrl_ref_shift);

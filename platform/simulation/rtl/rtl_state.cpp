@@ -75,6 +75,20 @@ constexpr std::array<Bit, 4> safety_fields = {
      {coprocessor::safety_error_limit_mask, &capsoc_rtl_state::error_limit},
      {coprocessor::safety_step_limit_mask, &capsoc_rtl_state::step_limit}}};
 
+bool odd(uint64_t word) {
+  return __builtin_parityll(word) != 0;
+}
+
+constexpr unsigned node_bits = 20, sum_bits = 48;
+
+/// A word of a memory with its parity bit above: they have an even number of ones together, unless
+/// the word is unfit.
+template <unsigned bits>
+uint64_t with_parity(uint64_t word, bool is_unfit) {
+  word &= (uint64_t{1} << bits) - 1;
+  return word | uint64_t{odd(word) != is_unfit} << bits;
+}
+
 uint64_t word48(uint64_t word) {
   return word & coprocessor::phase_mask;
 }
@@ -188,7 +202,9 @@ void set_state(capsoc_rtl_state& r, coprocessor::State state) {
   r.error_sum_u = state.error_sum_u;
   r.error_sum_v = state.error_sum_v;
   const auto sums = weights_of(state.block.sums);
-  for (std::size_t i = 0; i < sums.size(); ++i) r.block_sums[i] = static_cast<uint64_t>(*sums[i]);
+  for (std::size_t i = 0; i < sums.size(); ++i)
+    r.block_sums[i] =
+        with_parity<sum_bits>(static_cast<uint64_t>(*sums[i]), (state.block.unfit >> i & 1) != 0);
   r.block_open = state.block.open ? 1 : 0;
   r.block_begun = state.block.begun ? 1 : 0;
   r.block_within = state.block.window_ended ? 0 : 1;
@@ -205,8 +221,11 @@ void get_state(capsoc_rtl_state r, coprocessor::State& state) {
   state.error_sum_v = r.error_empty != 0 ? 0 : r.error_sum_v;
   // A sum is nothing before its first sample.
   const auto sums = weights_of(state.block.sums);
-  if (r.block_begun != 0)
-    for (std::size_t i = 0; i < sums.size(); ++i) *sums[i] = extended(r.block_sums[i]);
+  state.block.unfit = 0;
+  for (std::size_t i = 0; r.block_begun != 0 && i < sums.size(); ++i) {
+    *sums[i] = extended(r.block_sums[i]);
+    state.block.unfit |= unsigned{odd(r.block_sums[i])} << i;
+  }
   state.block.open = r.block_open != 0;
   state.block.begun = r.block_begun != 0;
   state.block.window_ended = r.block_within == 0;
@@ -276,10 +295,6 @@ constexpr std::array<SharedRegister, 14> shared_registers = {
      {coprocessor::reg_b2, &capsoc_rtl_state::b2, &capsoc_rtl_state::b2_parity},
      {coprocessor::reg_beta, &capsoc_rtl_state::beta, &capsoc_rtl_state::beta_parity},
      {coprocessor::reg_phi, &capsoc_rtl_state::phi, &capsoc_rtl_state::phi_parity}}};
-
-bool odd(uint64_t word) {
-  return __builtin_parityll(word) != 0;
-}
 
 // A register of rtl/setting_registers.sv, or one of the settings that it holds: what its parity bit
 // should be, and where that bit is.
@@ -384,7 +399,8 @@ capsoc_rtl_state to_rtl(const IdleState& state) {
   r.settled = std::min(state.settled, 63u);
   set_parity(r, state.unfit);
   for (std::size_t i = 0; i < state.corrections.size(); ++i)
-    r.corrections[i] = word(state.corrections[i]);
+    r.corrections[i] = with_parity<node_bits>(word(state.corrections[i]),
+                                              (state.unfit_corrections[i / 64] >> i % 64 & 1) != 0);
   return r;
 }
 
@@ -400,8 +416,11 @@ IdleState to_model(const capsoc_rtl_state& registers, const Nodes& nodes) {
   // 63 stands for more, too.
   state.settled = static_cast<unsigned>(registers.settled) +
                   (registers.settled == 63 && nodes.commits > 63 ? 1 : 0);
-  for (std::size_t i = 0; i < state.corrections.size(); ++i)
-    state.corrections[i] = static_cast<int32_t>(fixed::sign_extend<20>(registers.corrections[i]));
+  for (std::size_t i = 0; i < state.corrections.size(); ++i) {
+    state.corrections[i] =
+        static_cast<int32_t>(fixed::sign_extend<node_bits>(registers.corrections[i]));
+    state.unfit_corrections[i / 64] |= uint64_t{odd(registers.corrections[i])} << i % 64;
+  }
   state.unfit = unfit_in(registers);
   state.nodes = nodes;
   return state;
