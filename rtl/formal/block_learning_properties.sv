@@ -25,6 +25,7 @@ module block_learning_properties (
   (* hierconn *) logic \dut.begun_q ;
   (* hierconn *) logic \dut.within_q ;
   (* hierconn *) logic \dut.bad_parity_q ;
+  (* hierconn *) logic [48:0] \dut.sum_read_q ;
   (* hierconn *) logic [2:0] \dut.probe ;
   (* hierconn *) logic [48:0] \dut.probed ;
 
@@ -74,7 +75,8 @@ module block_learning_properties (
     known_before  <= known;
     kept_before   <= kept;
     unfit_before  <= unfit;
-    if (boundary_i) wrong <= bad_parity_i;
+    if (in_reset) wrong <= 1'b0;
+    else if (boundary_i & ~clear_i) wrong <= bad_parity_i;
     active_before <= active_i;
     cycle_before  <= cycle_i;
     if (learning.sum & weight_valid_i & cycle_i == written) begin
@@ -87,7 +89,7 @@ module block_learning_properties (
   // The watched sum was taken in this tick, and did not fit its parity bit.
   logic taken_unfit = 1'b0;
   always @(posedge clk_i) begin
-    if (boundary_i) taken_unfit <= 1'b0;
+    if (boundary_i | in_reset) taken_unfit <= 1'b0;
     else if (started & from_sums & known_before & unfit_before & active_before & cycle_i == taken & cycle_before == taken - 5'd1)
       taken_unfit <= 1'b1;
   end
@@ -100,12 +102,13 @@ module block_learning_properties (
     if (~in_reset) begin
       assert (\dut.open_q == open & \dut.begun_q == begun & \dut.within_q == ~ended);
       if (started) assert (learning.update == update & learning.sum == adds & learning.from_sums == from_sums);
+      assert (\dut.bad_parity_q == wrong);
       // Never both: a sample's update goes to the weights or to the sums.
       assert (~started | ~(learning.update & learning.sum));
     end
-    if (started) assert (\dut.bad_parity_q == wrong);
     if (known) assert (\dut.probed == {^kept ^ unfit, kept});
-    if (known_before & active_before & cycle_i == taken & cycle_before == taken - 5'd1) assert (sum == kept_before);
+    if (known_before & active_before & cycle_i == taken & cycle_before == taken - 5'd1)
+      assert (sum == kept_before & \dut.sum_read_q [48] == (^kept_before ^ unfit_before));
   end
 
 endmodule
