@@ -108,10 +108,10 @@ void Core::send_event() {
 std::optional<StopReason> Core::stop_wanted() {
   State& state = machine_.state;
   Requests& requests = machine_.requests;
-  if (std::exchange(state.semihosting_waits, false) && listeners().semihosting) {
+  if (!requests.has(Requests::unanswered) && std::exchange(state.semihosting_waits, false) &&
+      listeners().semihosting)
     state.semihosting_exit = !listeners().semihosting(*this);
-    if (state.semihosting_waits) return StopReason::semihosting_waits;
-  }
+  if (requests.take(Requests::unanswered)) return StopReason::semihosting_waits;
   if (std::exchange(state.semihosting_exit, false)) return StopReason::semihosting_exit;
   if (std::exchange(state.reset_request, false)) return StopReason::reset_request;
   if (requests.take(Requests::watchpoint)) return StopReason::watchpoint;

@@ -133,7 +133,10 @@ class Core {
   void send_event();  // the RXEV input
   /// The answer to the semihosting call under way comes later: nothing more is executed, and every
   /// run() makes the call again until it is answered.
-  void ask_again() { edit().semihosting_waits = true; }
+  void ask_again() {
+    edit().semihosting_waits = true;
+    machine_.requests.raise(Requests::unanswered);
+  }
   bool waits_for_answer() const { return machine_.state.semihosting_waits; }
   /// Leaves run() after the present instruction.
   void attention() { machine_.requests.raise(Requests::attention); }

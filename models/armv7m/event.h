@@ -51,8 +51,9 @@ class Requests {
     stuck = 1 << 2,
     watchpoint = 1 << 3,
     breakpoint = 1 << 4,  ///< BKPT, for a debugger that halts
+    unanswered = 1 << 5,  ///< a semihosting call was made, and its answer comes later
   };
-  static constexpr uint32_t stops = attention | stuck | watchpoint | breakpoint;
+  static constexpr uint32_t stops = attention | stuck | watchpoint | breakpoint | unanswered;
 
   void raise(Reason reason) { reasons_ |= reason | changed; }
   bool any() const { return reasons_ != 0; }
