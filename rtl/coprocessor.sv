@@ -2,7 +2,7 @@
 // Self-calibration coprocessor (docs/reference/coprocessor.md): an APB slave with a sample port.
 //
 // Latency: a sample is committed 161 cycles after the edge that latches it, up to 31 more if it has
-// to wait for a tick boundary. APB: no wait states.
+// to wait for a tick boundary. In `paper` with IterationClocks = 2 it is 321, and up to 63 more. APB: no wait states.
 // Formats: sample words Q1.31, two's complement; registers as documented.
 // Order at one edge: ends of ticks, starts of ticks, the sample, the register access.
 module coprocessor #(
@@ -11,6 +11,7 @@ module coprocessor #(
   parameter int ReferenceLead = 0,   // paper: samples by which the reference leads the data
   parameter int StepShift     = 0,   // paper: right shift of the steps, 0..31
   parameter int PlainArctangent = 0, // paper: the arctangent's input as it is
+  parameter int IterationClocks = 1, // paper: clocks of an iteration of the arctangent, 1 or 2
   parameter int Block         = 1,   // precise: block learning, CTRL.BLOCK and GUARD
   parameter int Harmonics     = 1,   // precise: harmonic correction, CTRL.CORRECT and CORRECTION
   parameter int Safety        = 1    // safety mechanisms, SAFETY and parity bits
@@ -36,6 +37,8 @@ module coprocessor #(
   output logic        irq_o,
   output logic        idle_o           // nothing changes at the coming edge of itself
 );
+
+  localparam int TickClocks = Paper != 0 ? 32 * IterationClocks : 32;
 
   // Commands of the register bank
   logic        clear, adc_enable, soft_valid, load_command;
@@ -63,7 +66,9 @@ module coprocessor #(
   assign stream.v       = sample_v_i;
   assign stream.clip    = sample_clip_i;
 
-  sequencer u_sequencer (
+  sequencer #(
+    .TickClocks (TickClocks)
+  ) u_sequencer (
     .clk_i          (pclk_i),
     .rst_ni         (presetn_i),
     .clear_i        (clear),
@@ -88,6 +93,7 @@ module coprocessor #(
     .ReferenceLead   (ReferenceLead),
     .StepShift       (StepShift),
     .PlainArctangent (PlainArctangent),
+    .IterationClocks (IterationClocks),
     .Block           (Block),
     .Harmonics       (Harmonics),
     .Safety          (Safety)
@@ -117,6 +123,7 @@ module coprocessor #(
 
   register_bank #(
     .Paper (Paper),
+    .TickClocks (TickClocks),
     .Block (Block),
     .Harmonics (Harmonics),
     .Safety (Safety)

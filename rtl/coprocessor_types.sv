@@ -67,11 +67,13 @@ typedef struct packed {
   logic safety, alarm, turn, error, lock, result;
 } enables_t;
 
-// The running tick, and the edge that ends the interval if that is a tick's boundary
+// The running tick, and the edge that ends the interval if that is a tick's boundary. sequencer.sv says what a cycle is in a tick of 64 clocks
 typedef struct packed {
   logic       boundary;
   logic       enter;       // with boundary: a sample enters T0
-  logic [4:0] cycle;
+  logic [5:0] clock;       // of the tick
+  logic [4:0] cycle;       // of a unit's 32
+  logic       rest;        // the cycle stays: only the paper's arctangents work
   logic [4:0] stage;       // bit s: stage Ts holds a sample
   logic [2:0] load;        // bit s: step Ls of a LOAD runs
   logic [2:0] load_start;  // with boundary: it begins

@@ -5,7 +5,7 @@
 //   T0 calibrator, T1 polar unit, T3 LMS demodulator, T4 polar unit; LOAD: precise_core or paper_core
 //   T2 reference generator, error average, turn judge, results: the same for both arithmetics
 //
-// A tick is cycles 0 to 31; tick_i.boundary is 1 in the interval whose end begins a tick. Registers are
+// A tick is cycles 0 to 31, with clocks in between in which tick_i.rest is 1 and every stage is as if empty; tick_i.boundary is 1 in the interval whose end begins a tick. Registers are
 // read at that edge, as the bank has them in the interval, or as a stage writes them at its end:
 // outputs with a write enable hold in the interval with a boundary. Weights Q2.46, phase and
 // frequency 2^-48 turn, sample, amplitudes and offsets Q1.31, angles 2^-32 turn.
@@ -15,6 +15,7 @@ module datapath #(
   parameter int ReferenceLead = 0,   // paper: samples by which the reference leads its data
   parameter int StepShift = 0,       // paper: right shift of the step after its register
   parameter int PlainArctangent = 0, // paper: the arctangent's input as it is
+  parameter int IterationClocks = 1, // paper: clocks of an iteration of the arctangent, 1 or 2
   parameter int Block = 1,           // precise: with block learning
   parameter int Harmonics = 1,       // precise: with the harmonic correction
   parameter int Safety = 1           // with the safety mechanisms
@@ -45,8 +46,8 @@ module datapath #(
   logic [2:0] load;
   assign boundary = tick_i.boundary;
   assign cycle = tick_i.cycle;
-  assign stage = tick_i.stage;
-  assign load = tick_i.load;
+  assign stage = tick_i.rest ? '0 : tick_i.stage;
+  assign load = tick_i.rest ? '0 : tick_i.load;
 
   // The sample of T0; its words go to memory in the tick's first two cycles.
   logic enter;
@@ -186,12 +187,13 @@ module datapath #(
     paper_core #(
       .OperandBits(OperandBits),
       .StepShift(StepShift),
-      .PlainArctangent(PlainArctangent)
+      .PlainArctangent(PlainArctangent),
+      .IterationClocks(IterationClocks)
     ) u_core (
       `CORE_PORTS
     );
   end else begin : g_precise
-    localparam int unused_settings = OperandBits + StepShift + ReferenceLead;
+    localparam int unused_settings = OperandBits + StepShift + ReferenceLead + IterationClocks;
     precise_core u_core (
       `CORE_PORTS
     );

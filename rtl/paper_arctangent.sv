@@ -4,8 +4,10 @@
 // for an input at half a turn. So, unless Plain, the vector is shifted until the larger word is in [0.25, 0.5), and
 // negated if x < 0.
 //
-// Latency: one tick. cycle 0 clears the angle, cycles 1..30 iterate, the outputs are valid in cycle
-// 31. Inputs stable in cycles 1..31. State changes only if run_i.
+// Latency: one tick, of 32 clocks or with IterationClocks = 2 of 64. Clock 0 clears the angle. Clocks 1..30 iterate, and the outputs
+// are valid in clock 31. With IterationClocks = 2 the vector is prepared in clock 0; sine and cosine come in clocks 1, 3 .. 59, the angle
+// in 2, 4 .. 60; sine and cosine of the last angle in 61, and the outputs are valid in 62 and 63.
+// Inputs stable in the whole tick. State changes only if run_i.
 //
 // y_i, x_i      s32, Q1.31
 // angle_o       u32, 2^-32 turn, wraps
@@ -16,12 +18,13 @@
 // Rounding: every product truncated (floor).
 module paper_arctangent #(
   parameter int OperandBits = 32,
-  parameter int Plain = 0
+  parameter int Plain = 0,
+  parameter int IterationClocks = 1
 ) (
   input  logic               clk_i,
   input  logic               rst_ni,
   input  logic               run_i,
-  input  logic         [4:0] cycle_i,
+  input  logic         [5:0] clock_i,
   input  logic signed [31:0] y_i,
   input  logic signed [31:0] x_i,
   output logic        [31:0] angle_o,
@@ -34,7 +37,7 @@ module paper_arctangent #(
 
   // The larger bit length of the one's complements, without sign; 30 is left as it is.
   logic [30:0] occupied;
-  logic signed [31:0] y_shifted, x_shifted, y_folded, x_folded;
+  logic signed [31:0] y_shifted, x_shifted, y_folded, x_folded, y, x;
   logic [4:0] places;
   logic halve, fold;
   assign occupied = (y_i[30:0] ^ {31{y_i[31]}}) | (x_i[30:0] ^ {31{x_i[31]}});
@@ -57,18 +60,38 @@ module paper_arctangent #(
   assign y_folded = fold ? -y_shifted : y_shifted;
   assign x_folded = fold ? -x_shifted : x_shifted;
 
+  // What the loop works with, and when it steps.
+  logic step_now;
+  if (IterationClocks == 2) begin : gen_two_clocks
+    logic signed [31:0] y_q, x_q;
+    always_ff @(posedge clk_i) begin
+      if (run_i && clock_i == 6'd0) {y_q, x_q} <= {y_folded, x_folded};
+    end
+    assign y = y_q;
+    assign x = x_q;
+    assign step_now = !clock_i[0] && clock_i != 6'd62;
+  end else begin : gen_one_clock
+    assign y = y_folded;
+    assign x = x_folded;
+    assign step_now = clock_i != 6'd31;
+  end
+
   logic [31:0] angle_q, angle_d;
 
   logic signed [31:0] sine, cosine;
-  paper_lookup u_lookup (
+  paper_lookup #(
+    .Registered(IterationClocks - 1)
+  ) u_lookup (
+    .clk_i,
+    .enable_i(run_i),
     .angle_i(angle_q),
     .sine_o(sine),
     .cosine_o(cosine)
   );
 
   logic signed [OperandBits-1:0] y_cut, x_cut, sine_cut, cosine_cut;
-  assign y_cut = y_folded[31:Cut];
-  assign x_cut = x_folded[31:Cut];
+  assign y_cut = y[31:Cut];
+  assign x_cut = x[31:Cut];
   assign sine_cut = sine[31:Cut];
   assign cosine_cut = cosine[31:Cut];
 
@@ -123,9 +146,9 @@ module paper_arctangent #(
     if (!rst_ni) begin
       angle_q <= '0;
     end else if (run_i) begin
-      if (cycle_i == 5'd0) begin
+      if (clock_i == 6'd0) begin
         angle_q <= '0;
-      end else if (cycle_i != 5'd31) begin
+      end else if (step_now) begin
         angle_q <= angle_d;
       end
     end
@@ -145,7 +168,7 @@ module paper_arctangent #(
   assign magnitude_o = unshifted[34] ? '0 : unshifted[33:31] != '0 ? 32'h7fff_ffff : unshifted[31:0];
 
   logic unused_bits;
-  assign unused_bits = ^{y_folded, x_folded, sine, cosine, difference[67:65], difference[30:0],
+  assign unused_bits = ^{y, x, sine, cosine, difference[67:65], difference[30:0],
                          along_sum[67:65], along_sum[30:0], step[67:63], step[30:0]};
 
 endmodule

@@ -3,7 +3,7 @@
 // du = u - b1, dv = v - b2; U1 = a2 du, V1 = a1 dv; U2 = U1 cos beta, V2 = V1 + U1 sin beta.
 //
 // Latency: one product in each of cycles 0..3; outputs valid from cycle 4 to cycle 31. In cycles 4 and 5
-// a1 a2 cos beta, valid from cycle 6. Inputs stable in cycles 0..5. State changes only if run_i.
+// a1 a2 cos beta, valid from cycle 6. RegisteredTable: sine and cosine come in cycle 1, still before their use. Inputs stable in cycles 0..5. State changes only if run_i.
 //
 // u_i .. b2_i   s32, Q1.31
 // beta_i        u32, 2^-32 turn
@@ -14,7 +14,9 @@
 // saturated_o   one of the differences, products or the sum was clamped
 //
 // Rounding: products truncated to Q1.31 (floor); every result clamped to s32.
-module paper_calibrator (
+module paper_calibrator #(
+  parameter int RegisteredTable = 0
+) (
   input  logic               clk_i,
   input  logic               rst_ni,
   input  logic               run_i,
@@ -56,7 +58,11 @@ module paper_calibrator (
   logic mirror_q, saturated_q;
 
   logic signed [31:0] sine, cosine;
-  paper_lookup u_lookup (
+  paper_lookup #(
+    .Registered(RegisteredTable)
+  ) u_lookup (
+    .clk_i,
+    .enable_i(run_i),
     .angle_i(beta_i),
     .sine_o(sine),
     .cosine_o(cosine)

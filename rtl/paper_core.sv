@@ -7,11 +7,12 @@
 //   LOAD: products s64 Q62 >>r 16 to Q2.46, then >>r 15 and clamped to Q1.31.
 // The units and their latencies are those of their own files; everything here is valid in cycle 31
 // of its tick, the strobes in the cycles given below. Cost does not count in this arithmetic:
-// registers are copied at the tick's start as they are.
+// registers are copied at the tick's start as they are. Clocks of rest are the arctangents' alone.
 module paper_core #(
   parameter int OperandBits = 32,
   parameter int StepShift = 0,
-  parameter int PlainArctangent = 0
+  parameter int PlainArctangent = 0,
+  parameter int IterationClocks = 1
 ) (
   input  logic               clk_i,
   input  logic               rst_ni,
@@ -39,7 +40,7 @@ module paper_core #(
   logic [2:0] load;
   assign boundary = tick_i.boundary;
   assign cycle = tick_i.cycle;
-  assign stage = tick_i.stage;
+  assign stage = tick_i.rest ? '0 : tick_i.stage;
   assign load = tick_i.load;
 
   // Registers as they were at the tick's start. A result that is written at that edge counts.
@@ -74,7 +75,9 @@ module paper_core #(
   end
 
   logic calibrator_saturated, error_saturated, weights_saturated, parameters_saturated;
-  paper_calibrator u_calibrator (
+  paper_calibrator #(
+    .RegisteredTable(IterationClocks - 1)
+  ) u_calibrator (
     .clk_i, .rst_ni,
     .cycle_i    (cycle),
     .run_i      (stage[0]),
@@ -97,11 +100,12 @@ module paper_core #(
   logic arctangent_settled, parameters_settled;
   paper_arctangent #(
     .OperandBits(OperandBits),
-    .Plain(PlainArctangent)
+    .Plain(PlainArctangent),
+    .IterationClocks(IterationClocks)
   ) u_arctangent (
     .clk_i, .rst_ni,
-    .cycle_i    (cycle),
-    .run_i  (stage[1]),
+    .clock_i(tick_i.clock),
+    .run_i  (tick_i.stage[1]),
     .y_i    (cal_s1_q),
     .x_i    (cal_c1_q),
     .angle_o(arctangent),
@@ -148,11 +152,14 @@ module paper_core #(
 
   paper_parameters #(
     .OperandBits(OperandBits),
-    .Plain(PlainArctangent)
+    .Plain(PlainArctangent),
+    .IterationClocks(IterationClocks)
   ) u_parameters (
     .clk_i, .rst_ni,
+    .clock_i    (tick_i.clock),
     .cycle_i    (cycle),
-    .run_i      (stage[4]),
+    .rest_i     (tick_i.rest),
+    .run_i      (tick_i.stage[4]),
     .au_i       (weights_q.au),
     .bu_i       (weights_q.bu),
     .av_i       (weights_q.av),
@@ -189,6 +196,6 @@ module paper_core #(
       stage[0] && calibrator_saturated};
 
   logic unused_bits;
-  assign unused_bits = ^{data_i, sum_i, relative_i, learning_i, load[0], tick_i.enter, tick_i.load_start, keep_i.phase, keep_i.freq};
+  assign unused_bits = ^{stage[1], data_i, sum_i, relative_i, learning_i, load[0], tick_i.enter, tick_i.load_start, keep_i.phase, keep_i.freq};
 
 endmodule

@@ -14,12 +14,15 @@
 // Rounding: see paper_square_root and paper_arctangent.
 module paper_parameters #(
   parameter int OperandBits = 32,
-  parameter int Plain = 0
+  parameter int Plain = 0,
+  parameter int IterationClocks = 1
 ) (
   input  logic               clk_i,
   input  logic               rst_ni,
   input  logic               run_i,
+  input  logic         [5:0] clock_i,  // of the tick
   input  logic         [4:0] cycle_i,
+  input  logic               rest_i,   // the square roots wait
   input  logic signed [47:0] au_i,
   input  logic signed [47:0] bu_i,
   input  logic signed [47:0] av_i,
@@ -41,7 +44,7 @@ module paper_parameters #(
   paper_square_root u_a1 (
     .clk_i,
     .rst_ni,
-    .run_i,
+    .run_i(run_i && !rest_i),
     .cycle_i,
     .a_i(au_i[46:15]),
     .b_i(bu_i[46:15]),
@@ -52,7 +55,7 @@ module paper_parameters #(
   paper_square_root u_a2 (
     .clk_i,
     .rst_ni,
-    .run_i,
+    .run_i(run_i && !rest_i),
     .cycle_i,
     .a_i(av),
     .b_i(bv_i[46:15]),
@@ -64,12 +67,13 @@ module paper_parameters #(
   logic [31:0] unused_phi_magnitude, unused_psi_magnitude;
   paper_arctangent #(
     .OperandBits(OperandBits),
-    .Plain(Plain)
+    .Plain(Plain),
+    .IterationClocks(IterationClocks)
   ) u_phi (
     .clk_i,
     .rst_ni,
     .run_i,
-    .cycle_i,
+    .clock_i,
     .y_i(bu_i[46:15]),
     .x_i(au_i[46:15]),
     .angle_o(phi_o),
@@ -80,12 +84,13 @@ module paper_parameters #(
   logic [31:0] psi;
   paper_arctangent #(
     .OperandBits(OperandBits),
-    .Plain(Plain)
+    .Plain(Plain),
+    .IterationClocks(IterationClocks)
   ) u_psi (
     .clk_i,
     .rst_ni,
     .run_i,
-    .cycle_i,
+    .clock_i,
     .y_i(minus_av),
     .x_i(bv_i[46:15]),
     .angle_o(psi),

@@ -196,6 +196,6 @@ module precise_core (
   logic unused_bits;
   assign unused_bits = ^{parameters_i.a1[31], parameters_i.a2[31], difference[49], difference[14:0],
                          parameters_i.beta, parameters_i.phi, keep_i.phase, keep_i.freq, keep_i.parameters,
-                         tick_i.enter, tick_i.load_start[0]};
+                         tick_i.enter, tick_i.load_start[0], tick_i.clock, tick_i.rest};
 
 endmodule

@@ -8,6 +8,7 @@
 // steps u31 and thresholds u32, Q1.31.
 module register_bank #(
   parameter int Paper = 0,
+  parameter int TickClocks = 32,
   parameter int Block = 1,
   parameter int Harmonics = 1,
   parameter int Safety = 1
@@ -56,6 +57,8 @@ module register_bank #(
   output logic [3:0]  result_select_o,
   input  logic [31:0] result_i
 );
+
+  localparam logic [31:0] Latency = 32'(1 + 5 * TickClocks);  // five ticks after the one edge before them
 
   // Decoding. An error has no effect and reads 0. A select holds for mapped addresses, and so do the groups.
   capsoc_coprocessor_selects_t select;
@@ -296,7 +299,7 @@ module register_bank #(
                   (capsoc_coprocessor_pkg::VERSION_RESET & {32{shown.VERSION}}) |
                   (ctrl & {32{shown.CTRL}}) | (status & {32{shown.STATUS}}) |
                   ({16'd0, flags} & {32{shown.FLAGS}}) | (loop & {32{shown.LOOP}}) |
-                  (capsoc_coprocessor_pkg::LATENCY_RESET & {32{shown.LATENCY}}) |
+                  (Latency & {32{shown.LATENCY}}) |
                   (turn_flags_i & {32{shown.TURN_FLAGS}});
 
   // A setting that was never written reads its reset value.

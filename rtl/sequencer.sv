@@ -3,10 +3,14 @@
 // and end. docs/reference/coprocessor.md, "Sequencer: time".
 //
 // Latency: a sample that an idle sequencer latches at edge c enters T0 at edge c + 1 and leaves T4
-// five ticks of 32 cycles later, at edge c + 161.
+// five ticks later: at edge c + 161 with TickClocks = 32, at c + 321 with 64.
+// A unit counts 32 cycles in every tick. In a tick of 64 clocks cycle 30 is followed by 32 clocks of rest, in which the cycle stays and
+// only the paper's arctangents work; cycle 31 is the last clock in both.
 // Formats: a sample's words Q1.31, never computed with. The tick's boundary is the edge that ends
 // an interval with tick_o.boundary = 1.
-module sequencer (
+module sequencer #(
+  parameter int TickClocks = 32  // or 64
+) (
   input  logic        clk_i,
   input  logic        rst_ni,
   input  logic        clear_i,         // soft reset: wins over everything of its edge
@@ -29,7 +33,9 @@ module sequencer (
 
   logic       held_q, held_d;
   logic       load_pending_q, load_pending_d;
-  logic [4:0] cycle_q, cycle_d;
+  localparam int ClockBits = TickClocks == 64 ? 6 : 5;
+  localparam logic [ClockBits-1:0] LastClock = ClockBits'(TickClocks - 1);
+  logic [ClockBits-1:0] cycle_q, cycle_d;  // the clock of the tick
   logic [4:0] stage_q, stage_d;
   logic [2:0] load_q, load_d;
 
@@ -38,7 +44,7 @@ module sequencer (
   logic       running, boundary, enter;
   logic [2:0] load_start;
   assign running    = (|stage_q) | (|load_q);
-  assign boundary  = running ? cycle_q == 5'd31 : held_q | load_pending_q;
+  assign boundary  = running ? cycle_q == LastClock : held_q | load_pending_q;
 
   // A load begins when no sample is left in the pipeline, and no sample passes a load that waits.
   logic load_goes_on, load_begins;
@@ -58,13 +64,13 @@ module sequencer (
   always_comb begin
     held_d         = latch | (held_q & ~enter);
     load_pending_d = load_i | (load_pending_q & ~load_begins);
-    cycle_d        = running ? cycle_q + 5'd1 : 5'd0;
+    cycle_d        = running ? cycle_q + ClockBits'(1) : '0;
     stage_d        = boundary ? {stage_q[3:0], enter} : stage_q;
     load_d         = boundary ? load_start : load_q;
     if (clear_i) begin
       held_d         = 1'b0;
       load_pending_d = 1'b0;
-      cycle_d        = 5'd0;
+      cycle_d        = '0;
       stage_d        = '0;
       load_d         = '0;
     end
@@ -118,7 +124,16 @@ module sequencer (
   assign busy_o = running | held_q | load_pending_q;
   assign tick_o.boundary   = boundary;
   assign tick_o.enter      = enter;
-  assign tick_o.cycle      = cycle_q;
+  assign tick_o.clock      = 6'(cycle_q);
+  if (TickClocks == 64) begin : g_rest
+    logic late;
+    assign late = cycle_q > 6'd30;
+    assign tick_o.rest  = late && cycle_q != LastClock;
+    assign tick_o.cycle = {late ? 4'd15 : cycle_q[4:1], late ? cycle_q == LastClock : cycle_q[0]};
+  end else begin : g_no_rest
+    assign tick_o.rest  = 1'b0;
+    assign tick_o.cycle = cycle_q;
+  end
   assign tick_o.stage      = stage_q;
   assign tick_o.load       = load_q;
   assign tick_o.load_start = load_start;

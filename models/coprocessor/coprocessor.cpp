@@ -70,14 +70,20 @@ Options checked(Options options) {
   options.paper_operand_bits = std::clamp(options.paper_operand_bits, 2, 32);
   options.paper_reference_lead = std::clamp(options.paper_reference_lead, -1024, 1024);
   options.paper_step_shift = std::clamp(options.paper_step_shift, 0, 31);
+  options.paper_iteration_clocks = std::clamp(options.paper_iteration_clocks, 1, 2);
   if (options.arithmetic == Arithmetic::paper)
     options.block_learning = options.harmonic_correction = false;
+  else
+    options.paper_iteration_clocks = 1;
   return options;
 }
 
 }  // namespace
 
-Coprocessor::Coprocessor(Options options) : options_(checked(options)), datapath_(options_) {
+Coprocessor::Coprocessor(Options options)
+    : options_(checked(options)),
+      datapath_(options_),
+      sequencer_(tick_cycles * static_cast<unsigned>(options_.paper_iteration_clocks)) {
   reset();
 }
 

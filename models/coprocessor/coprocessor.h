@@ -34,6 +34,7 @@ class Coprocessor final : public Device {
   bool idle() const override { return !sequencer_.busy(); }
   const Nodes& nodes() const override { return arch_.nodes; }
   bool stage_nodes(unsigned stage, Nodes& nodes) const override;
+  unsigned tick() const override { return sequencer_.tick(); }
   void visit(Archive& archive) override;
   bool save_idle(IdleState& state) const override;
   bool load_idle(const IdleState& state) override;

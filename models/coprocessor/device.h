@@ -20,6 +20,7 @@
 
 #include "base/archive.h"
 #include "coprocessor/nodes.h"
+#include "coprocessor/sequencer.h"
 
 namespace capsoc::coprocessor {
 
@@ -73,6 +74,9 @@ class Device {
   // Sets those nodes of `nodes` that stage `stage` makes, if a sample is in it and this is the last
   // interval of its tick; else returns false. A device that cannot look inside always does.
   virtual bool stage_nodes(unsigned /*stage*/, Nodes& /*nodes*/) const { return false; }
+
+  // Cycles of a tick: always the same of one device.
+  virtual unsigned tick() const { return tick_cycles; }
 
   // What it is, in the words of --coprocessor.
   virtual const char* kind() const { return "tlm"; }

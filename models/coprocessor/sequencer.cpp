@@ -39,16 +39,16 @@ void Sequencer::turn() {
     }
   }
   running_ = held_ || load_pending_ || load_stage_ || !pipeline_empty();
-  if (running_) boundary_ += tick_cycles;
+  if (running_) boundary_ += tick_;
 }
 
 std::optional<uint64_t> Sequencer::next_event() const {
   if (!running_) return std::nullopt;
   for (unsigned stage = stage_count; stage-- > 0;)
-    if (occupied_[stage]) return boundary_ + uint64_t{stage_count - 1 - stage} * tick_cycles;
-  if (load_stage_) return boundary_ + uint64_t{load_stage_count - 1 - *load_stage_} * tick_cycles;
+    if (occupied_[stage]) return boundary_ + uint64_t{stage_count - 1 - stage} * tick_;
+  if (load_stage_) return boundary_ + uint64_t{load_stage_count - 1 - *load_stage_} * tick_;
   // Nothing has started: the boundary is the start of a tick.
-  return boundary_ + uint64_t{load_pending_ ? load_stage_count : stage_count} * tick_cycles;
+  return boundary_ + uint64_t{load_pending_ ? load_stage_count : stage_count} * tick_;
 }
 
 }  // namespace capsoc::coprocessor

@@ -10,14 +10,22 @@
 
 namespace capsoc::coprocessor {
 
-inline constexpr unsigned tick_cycles = 32;
+inline constexpr unsigned tick_cycles = 32;  // of a device whose options do not say otherwise
 inline constexpr unsigned stage_count = 5;
 inline constexpr unsigned load_stage_count = 3;
-inline constexpr unsigned latency_cycles = 1 + stage_count * tick_cycles;
+
+// From the edge that latches a sample to its results, with ticks of `tick` cycles.
+constexpr unsigned latency_of(unsigned tick) {
+  return 1 + stage_count * tick;
+}
+inline constexpr unsigned latency_cycles = latency_of(tick_cycles);
 
 class Sequencer {
  public:
-  void reset() { *this = {}; }
+  explicit Sequencer(unsigned tick = tick_cycles) : tick_(tick) {}
+
+  void reset() { *this = Sequencer(tick_); }
+  unsigned tick() const { return tick_; }
 
   // Latches a sample into the holding register at `cycle`; false: it is full, the sample is lost.
   bool latch(uint64_t cycle);
@@ -49,6 +57,7 @@ class Sequencer {
  private:
   bool pipeline_empty() const;
 
+  unsigned tick_;  // cycles; no state
   bool running_ = false;
   uint64_t boundary_ = 0;  // the next tick boundary, while running
   bool held_ = false;

@@ -19,6 +19,9 @@ struct Options {
   int paper_step_shift = 0;      // right shift of 2mu after the step registers, 0..31
   // The PI arctangent's input as the paper has it: neither shifted nor folded (Table 8: set).
   bool paper_plain_arctangent = false;
+  // Clocks of an iteration of the PI arctangent, 1 or 2: a tick, and so the latency, is as many
+  // times as long. The words are the same.
+  int paper_iteration_clocks = 1;
   // CTRL.BLOCK exists; never in `paper`.
   bool block_learning = true;
   // CTRL.CORRECT and CORRECTION exist; never in `paper`.

@@ -38,7 +38,15 @@ struct RegressArguments {
   std::string library, junit, json, html;
   std::string exceptions = "rtl/verification/coverage_exceptions.txt";
   bool list = false, rebuild = false;
+  int iteration_clocks = 1;
 };
+
+coprocessor::Options options_of(const RegressArguments& a, Arithmetic arithmetic) {
+  coprocessor::Options options;
+  options.arithmetic = arithmetic;
+  options.paper_iteration_clocks = a.iteration_clocks;
+  return options;
+}
 
 void list_scenarios() {
   for (const regress::Scenario& scenario : regress::scenarios())
@@ -54,6 +62,7 @@ std::string library_of(const RegressArguments& a, Arithmetic arithmetic) {
   if (a.rebuild)
     return host::library_path(
         fmt::format("libcapsoc_rtl_{}_fast.so", regress::name_of(arithmetic)));
+  if (a.iteration_clocks != 1) return rtl::RtlLibrary::file_name(options_of(a, arithmetic));
   return rtl::RtlLibrary::file_name(arithmetic, !a.plan.coverage_directory.empty());
 }
 
@@ -131,6 +140,13 @@ std::optional<Error> prepare(RegressArguments& a) {
   if (a.arithmetic != "precise") plan.arithmetics.push_back(Arithmetic::paper);
   if (a.rebuild && !(a.library.empty() && plan.coverage_directory.empty()))
     return Error{"--rebuild makes its own libraries: leave --rtl-library and --coverage out"};
+  if (a.iteration_clocks != 1) {
+    if (a.arithmetic != "paper")
+      return Error{"--iteration-clocks is a parameter of paper: give --arithmetic paper, too"};
+    if (a.rebuild || !plan.coverage_directory.empty())
+      return Error{"--iteration-clocks 2 has one library: leave --rebuild and --coverage out"};
+    plan.tick *= static_cast<unsigned>(a.iteration_clocks);
+  }
   if (a.rebuild) {
     plan.command_options = "--rebuild";
     if (auto error = rebuild(a)) return error;
@@ -138,6 +154,10 @@ std::optional<Error> prepare(RegressArguments& a) {
   if (!a.library.empty() && plan.arithmetics.size() > 1)
     return Error{"--rtl-library holds one arithmetic: give --arithmetic precise or paper, too"};
   if (!a.library.empty()) plan.command_options = "--rtl-library " + shell_word(a.library);
+  if (a.iteration_clocks != 1) {
+    if (!plan.command_options.empty()) plan.command_options += " ";
+    plan.command_options += fmt::format("--iteration-clocks {}", a.iteration_clocks);
+  }
   for (const std::string& directory : {plan.coverage_directory, plan.waves_directory})
     if (auto error = make_directory(directory)) return error;
   return check_files(a);
@@ -147,10 +167,9 @@ std::optional<Error> prepare(RegressArguments& a) {
 std::optional<Error> open_libraries(RegressArguments& a) {
   std::vector<std::pair<Arithmetic, rtl::RtlLibrary::Handle>> libraries;
   for (Arithmetic arithmetic : a.plan.arithmetics) {
-    coprocessor::Options options;
-    options.arithmetic = arithmetic;
     const std::string file = library_of(a, arithmetic);
-    auto library = rtl::RtlLibrary::open(file, options, rtl::RtlLibrary::Use::at_its_pins);
+    auto library =
+        rtl::RtlLibrary::open(file, options_of(a, arithmetic), rtl::RtlLibrary::Use::at_its_pins);
     if (!library) return Error{library.error()};
     if (library.value()->api().inside == nullptr && !a.plan.coverage_directory.empty())
       return Error{file +
@@ -158,12 +177,10 @@ std::optional<Error> open_libraries(RegressArguments& a) {
     a.plan.subjects.push_back(regress::subject_of(arithmetic, library.value()));
     libraries.emplace_back(arithmetic, library.value());
   }
-  a.plan.compare =
-      [libraries](Arithmetic arithmetic) -> Result<std::unique_ptr<regress::Comparison>> {
-    coprocessor::Options options;
-    options.arithmetic = arithmetic;
+  a.plan.compare = [libraries,
+                    a](Arithmetic arithmetic) -> Result<std::unique_ptr<regress::Comparison>> {
     for (const auto& [which, library] : libraries)
-      if (which == arithmetic) return regress::compare_with_rtl(options, library);
+      if (which == arithmetic) return regress::compare_with_rtl(options_of(a, arithmetic), library);
     return Error{"no library for this arithmetic"};
   };
   return std::nullopt;
@@ -283,6 +300,11 @@ void add_regress(CLI::App& app, int& code) {
   a->plan.jobs = std::max(1u, std::thread::hardware_concurrency());
   command->add_option("--arithmetic", a->arithmetic, "Which of them")
       ->check(CLI::IsMember({"precise", "paper", "both"}))
+      ->capture_default_str();
+  command
+      ->add_option("--iteration-clocks", a->iteration_clocks,
+                   "Of paper: clocks of an iteration of the arctangent, 1 or 2")
+      ->transform(whole_number(1, 2))
       ->capture_default_str();
   command->add_option("--seeds", a->plan.seeds, "How many seeds the amounts are spread over")
       ->transform(whole_number(1, 1'000'000))

@@ -96,15 +96,16 @@ int32_t capsoc_reference_version(void) {
 
 capsoc_reference* capsoc_reference_create(int32_t paper, int32_t operand_bits,
                                           int32_t reference_lead, int32_t step_shift,
-                                          int32_t plain_arctangent, int32_t block,
-                                          int32_t harmonics, int32_t safety) {
+                                          int32_t plain_arctangent, int32_t iteration_clocks,
+                                          int32_t block, int32_t harmonics, int32_t safety) {
   const auto allowed = [](const char* name, int64_t value, int64_t first, int64_t last) {
     return in_range(nullptr, "create", name, value, first, last);
   };
   if (!allowed("paper", paper, 0, 1) || !allowed("operand_bits", operand_bits, 2, 32) ||
       !allowed("reference_lead", reference_lead, -1024, 1024) ||
       !allowed("step_shift", step_shift, 0, 31) ||
-      !allowed("plain_arctangent", plain_arctangent, 0, 1) || !allowed("block", block, 0, 1) ||
+      !allowed("plain_arctangent", plain_arctangent, 0, 1) ||
+      !allowed("iteration_clocks", iteration_clocks, 1, 2) || !allowed("block", block, 0, 1) ||
       !allowed("harmonics", harmonics, 0, 1) || !allowed("safety", safety, 0, 1))
     return nullptr;
   cop::Options options;
@@ -113,6 +114,7 @@ capsoc_reference* capsoc_reference_create(int32_t paper, int32_t operand_bits,
   options.paper_reference_lead = reference_lead;
   options.paper_step_shift = step_shift;
   options.paper_plain_arctangent = plain_arctangent != 0;
+  options.paper_iteration_clocks = iteration_clocks;
   options.block_learning = block != 0;
   options.harmonic_correction = harmonics != 0;
   options.safety = safety != 0;

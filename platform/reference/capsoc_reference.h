@@ -38,7 +38,7 @@ extern "C" {
 #endif
 
 /* Changes when a function or its meaning changes; functions may be added without it. */
-#define CAPSOC_REFERENCE_VERSION 2
+#define CAPSOC_REFERENCE_VERSION 3
 
 enum {
   CAPSOC_REFERENCE_OK = 0,
@@ -60,13 +60,14 @@ int32_t capsoc_reference_version(void);
  *   reference_lead    paper: samples by which the reference leads the data, -1024 to 1024
  *   step_shift        paper: right shift of the steps, 0 to 31
  *   plain_arctangent  paper: 1: the arctangent's input as it is
+ *   iteration_clocks  paper: clocks of an iteration of the arctangent, 1 or 2
  *   block, harmonics  precise: 1: block learning, harmonic correction
  *   safety            1: safety mechanisms
  * Null: a parameter is outside its range; capsoc_reference_error(NULL) says which. */
 capsoc_reference* capsoc_reference_create(int32_t paper, int32_t operand_bits,
                                           int32_t reference_lead, int32_t step_shift,
-                                          int32_t plain_arctangent, int32_t block,
-                                          int32_t harmonics, int32_t safety);
+                                          int32_t plain_arctangent, int32_t iteration_clocks,
+                                          int32_t block, int32_t harmonics, int32_t safety);
 
 /* Ends a reference. Null is ignored. */
 void capsoc_reference_destroy(capsoc_reference* reference);

@@ -4,7 +4,8 @@
 // asserts of every register that it keeps its value while `quiet` is 1.
 module idle_properties #(
   parameter int Paper = 0,
-  parameter int Safety = 1
+  parameter int Safety = 1,
+  parameter int IterationClocks = 1
 ) (
   input logic        clk_i,
   input logic        psel_i, penable_i, pwrite_i,
@@ -20,7 +21,7 @@ module idle_properties #(
 
   logic        pready, pslverr, sample_ready, irq, idle;
   logic [31:0] prdata;
-  coprocessor #(.Paper (Paper), .Safety (Safety)) dut (
+  coprocessor #(.Paper (Paper), .Safety (Safety), .IterationClocks (IterationClocks)) dut (
     .pclk_i (clk_i), .presetn_i (~in_reset),
     .psel_i, .penable_i, .pwrite_i, .paddr_i, .pwdata_i, .pstrb_i,
     .pready_o (pready), .prdata_o (prdata), .pslverr_o (pslverr),
@@ -31,10 +32,10 @@ module idle_properties #(
   // What the step needs to know of the states before: the cycle counter rests at 0 outside ticks.
   (* hierconn *) logic [4:0] \dut.u_sequencer.stage_q ;
   (* hierconn *) logic [2:0] \dut.u_sequencer.load_q ;
-  (* hierconn *) logic [4:0] \dut.u_sequencer.cycle_q ;
+  (* hierconn *) logic [IterationClocks == 2 ? 5 : 4:0] \dut.u_sequencer.cycle_q ;
   logic running;
   assign running = (|\dut.u_sequencer.stage_q ) | (|\dut.u_sequencer.load_q );
-  always @* if (~in_reset & ~running) assert (\dut.u_sequencer.cycle_q == 5'd0);
+  always @* if (~in_reset & ~running) assert (\dut.u_sequencer.cycle_q == '0);
 
   (* keep *) logic quiet;
   assign quiet = ~in_reset & idle & ~sample_valid_i & ~(psel_i & penable_i);

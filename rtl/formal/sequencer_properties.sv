@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// No sample is lost, doubled or overtaken, and the latency is 161 cycles (sequencer.sv).
+// No sample is lost, doubled or overtaken, and the latency is 161 cycles, or 321 with ticks of 64 (sequencer.sv).
 //
 // Samples are numbered in the order in which they are latched. Counters of 4 bits are enough: the
 // sequencer has room for six samples. The sample of number `watched` (any) is followed from its
 // latch to its commit.
-module sequencer_properties (
+module sequencer_properties #(
+  parameter int TickClocks = 32
+) (
   input logic        clk_i,
   input logic        clear_i, stream_valid_i, soft_valid_i, load_i,
   input sample_t     stream_i,
@@ -15,14 +17,19 @@ module sequencer_properties (
   always @(posedge clk_i) in_reset <= 1'b0;
 
   logic        place_free, stream_early, soft_early, busy, boundary, enter, held_clip;
+  localparam int Bits = TickClocks == 64 ? 6 : 5;
+  logic        rest;
+  logic [5:0]  clock;
   logic [4:0]  cycle, stage;
   logic [2:0]  load, load_start;
   logic [31:0] held_u, held_v;
   tick_t       tick;
   sample_t     sample;
-  assign {boundary, enter, cycle, stage, load, load_start} = tick;
+  assign {boundary, enter, clock, cycle, rest, stage, load, load_start} = tick;
   assign {held_u, held_v, held_clip} = sample;
-  sequencer dut (
+  sequencer #(
+    .TickClocks (TickClocks)
+  ) dut (
     .clk_i, .rst_ni (~in_reset), .clear_i,
     .stream_valid_i, .stream_i,
     .soft_valid_i, .soft_u_i, .soft_v_i, .load_i,
@@ -67,7 +74,7 @@ module sequencer_properties (
   logic [3:0]  number;
   logic [31:0] known_u, known_v;
   logic        known_clip;
-  logic [7:0]  age;
+  logic [Bits+2:0] age;
   (* anyseq *) logic choose;
   assign chosen     = latch & choose & ~known & place == 5'd0;
   assign place_next = boundary ? {place[3:0], enter & known} : place;
@@ -78,7 +85,7 @@ module sequencer_properties (
     end else begin
       known <= chosen | (known & ~enter);
       place <= place_next;
-      age   <= enter & known ? 8'd0 : age + 8'd1;
+      age   <= enter & known ? '0 : age + 1'b1;
       if (chosen) begin
         number     <= latched;
         known_u    <= stream_latch ? stream_i.u : soft_u_i;
@@ -98,17 +105,20 @@ module sequencer_properties (
 
   // How long a load has been under way that found the coprocessor idle.
   logic       load_alone;
-  logic [6:0] load_age;
+  logic [Bits+1:0] load_age;
   always @(posedge clk_i) begin
-    load_age <= load_age + 7'd1;
+    load_age <= load_age + 1'b1;
     if (in_reset | clear_i) load_alone <= 1'b0;
     else if (load_i & ~busy & ~latch) begin
       load_alone <= 1'b1;
-      load_age   <= 7'd0;
+      load_age   <= '0;
     end else if ((boundary & load[2]) | load_i) begin
       load_alone <= 1'b0;
     end
   end
+
+  logic [4:0] last_cycle;
+  always @(posedge clk_i) last_cycle <= cycle;
 
   always_comb if (~in_reset) begin
     // Latched = committed + in flight; every sample that comes is latched or reported lost.
@@ -129,13 +139,13 @@ module sequencer_properties (
     if (|place) assert (number == committed + {1'd0, ahead});
     if (commit & place[4]) assert (number == committed);
 
-    // Latency: 160 cycles from entering to the commit; one more for a sample that does not wait,
+    // Latency: five ticks from entering to the commit; one more for a sample that does not wait,
     // which is latched one edge before it enters. Waiting takes less than a tick without a load.
     if (|place) begin
       assert (age == {place[4] ? 3'd4 : place[3] ? 3'd3 : place[2] ? 3'd2 : {2'd0, place[1]},
-                      cycle});
+                      clock[Bits-1:0]});
     end
-    if (commit & place[4]) assert (age == 8'd159);
+    if (commit & place[4]) assert (age == 5 * TickClocks - 1);
     if (held & stage == 5'd0 & load == 3'd0 & ~load_pending) assert (enter);
     if (held & boundary & ~load_pending & load[1:0] == 2'd0) assert (enter);
 
@@ -143,16 +153,26 @@ module sequencer_properties (
     assert (~(|load & |stage));
     assert (load == 3'd0 | load == 3'd1 | load == 3'd2 | load == 3'd4);
     assert (~(|load_start) | boundary);
-    if (load_alone & boundary & load[2]) assert (load_age == 7'd96);
+    if (load_alone & boundary & load[2]) assert (load_age == 3 * TickClocks);
     if (load_alone) assert (busy);
     if (load_alone & load != 3'd0) begin
-      assert (load_age == {2'd0, cycle} + (load[0] ? 7'd1 : load[1] ? 7'd33 : 7'd65));
+      assert (load_age == clock + 1 + (load[0] ? 0 : load[1] ? TickClocks : 2 * TickClocks));
     end
-    if (load_alone & load == 3'd0) assert (load_pending & load_age == 7'd0 & stage == 5'd0);
+    if (load_alone & load == 3'd0) assert (load_pending & load_age == '0 & stage == 5'd0);
+
+    // A unit's cycles follow one another from 0 to 31, which is a boundary, with a rest after 30 in ticks of 64.
+    if (stage != 5'd0 | load != 3'd0) begin
+      assert (boundary == (clock == TickClocks - 1) & boundary == (cycle == 5'd31));
+      assert (rest == (TickClocks == 64 & clock > 6'd30 & ~boundary));
+      if (clock == 6'd0) assert (cycle == 5'd0);
+      else assert (cycle == last_cycle + {4'd0, ~rest});
+    end else begin
+      assert (~rest);
+    end
 
     // Idle means empty, and the cycle counter rests at 0.
     if (~busy) assert (~held & ~load_pending & stage == 5'd0 & load == 3'd0);
-    if (stage == 5'd0 & load == 3'd0) assert (cycle == 5'd0);
+    if (stage == 5'd0 & load == 3'd0) assert (cycle == 5'd0 & clock == 6'd0);
     if (busy & stage == 5'd0 & load == 3'd0) assert (boundary);
   end
 

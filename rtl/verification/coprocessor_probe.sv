@@ -12,7 +12,8 @@ module coprocessor_probe #(
   parameter int Paper         = 0,
   parameter int OperandBits   = 32,
   parameter int ReferenceLead = 0,
-  parameter int StepShift     = 0
+  parameter int StepShift     = 0,
+  parameter int IterationClocks = 1
 ) (
   input  logic        pclk_i,
   input  logic        drive_i,
@@ -36,7 +37,7 @@ module coprocessor_probe #(
   // Sequencer
   output logic        boundary_o,
   output logic        enter_o,
-  output logic [4:0]  cycle_o,
+  output logic [5:0]  cycle_o,  // of the tick's clocks
   output logic [4:0]  stage_o,
   output logic [2:0]  load_o,
   output logic [2:0]  load_start_o,
@@ -72,7 +73,8 @@ module coprocessor_probe #(
     .Paper         (Paper),
     .OperandBits   (OperandBits),
     .ReferenceLead (ReferenceLead),
-    .StepShift     (StepShift)
+    .StepShift     (StepShift),
+    .IterationClocks(IterationClocks)
   ) dut (
     .pclk_i,
     .presetn_i      (presetn),
@@ -92,7 +94,7 @@ module coprocessor_probe #(
 
   assign boundary_o     = dut.u_sequencer.boundary;
   assign enter_o        = dut.u_sequencer.enter;
-  assign cycle_o        = dut.u_sequencer.cycle_q;
+  assign cycle_o        = 6'(dut.u_sequencer.cycle_q);
   assign stage_o        = dut.u_sequencer.stage_q;
   assign load_o         = dut.u_sequencer.load_q;
   assign load_start_o   = dut.u_sequencer.load_start;
@@ -123,7 +125,7 @@ module coprocessor_probe #(
   end else begin : g_precise
     assign late_amplitude = '0;
     always_ff @(negedge pclk_i) begin
-      if (stage_o[0] && cycle_o == 5'd14) begin
+      if (stage_o[0] && cycle_o == 6'd14) begin
         s <= dut.u_datapath.g_precise.u_core.u_calibrator.x_q;
         c <= dut.u_datapath.g_precise.u_core.u_calibrator.y_q;
       end

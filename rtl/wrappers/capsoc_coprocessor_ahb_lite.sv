@@ -9,6 +9,7 @@ module capsoc_coprocessor_ahb_lite #(
   parameter int ReferenceLead = 0,   // paper: samples by which the reference leads the data
   parameter int StepShift     = 0,   // paper: right shift of the steps, 0..31
   parameter int PlainArctangent = 0, // paper: the arctangent's input as it is
+  parameter int IterationClocks = 1, // paper: clocks of an iteration of the arctangent, 1 or 2
   parameter int Block         = 1,   // precise: block learning, CTRL.BLOCK and GUARD
   parameter int Harmonics     = 1,   // precise: harmonic correction, CTRL.CORRECT and CORRECTION
   parameter int Safety        = 1    // safety mechanisms, SAFETY and parity bits
@@ -61,6 +62,7 @@ module capsoc_coprocessor_ahb_lite #(
     .ReferenceLead   (ReferenceLead),
     .StepShift       (StepShift),
     .PlainArctangent (PlainArctangent),
+    .IterationClocks (IterationClocks),
     .Block           (Block),
     .Harmonics       (Harmonics),
     .Safety          (Safety)

@@ -118,6 +118,89 @@ TEST_F(Timing, SoftResetDropsWhatIsInFlight) {
   EXPECT_EQ(dut.next_event(), 1162u);
 }
 
+// Two clocks an iteration of the paper's arctangent: ticks of 64 cycles.
+class TwoClocks : public testing::Test {
+ protected:
+  static Options options(int clocks) {
+    Options out;
+    out.arithmetic = Arithmetic::paper;
+    out.paper_iteration_clocks = clocks;
+    return out;
+  }
+
+  TwoClocks() : dut(options(2)) { dut.write(0, reg_ctrl, ctrl_adc | ctrl_demod | ctrl_calib); }
+
+  uint32_t read(uint64_t cycle, uint32_t offset) { return dut.read(cycle, offset, false).value; }
+  bool submit(uint64_t cycle) { return dut.submit(cycle, 1 << 29, 1 << 28, false); }
+
+  Coprocessor dut;
+};
+
+TEST_F(TwoClocks, AResultIsVisible321CyclesAfterItsSampleWasLatched) {
+  EXPECT_EQ(dut.tick(), 64u);
+  EXPECT_TRUE(submit(1000));
+  EXPECT_EQ(dut.next_event(), 1321u);
+  EXPECT_EQ(read(1320, reg_samples), 0u);
+  EXPECT_EQ(read(1321, reg_samples), 1u);
+  EXPECT_EQ(read(1321, reg_status) & status_busy, 0u);
+  EXPECT_EQ(read(1321, reg_latency), 321u);
+}
+
+TEST_F(TwoClocks, SamplesEvery64CyclesAreAllTaken) {
+  for (uint64_t i = 0; i < 1000; ++i) ASSERT_TRUE(submit(10 + 64 * i)) << i;
+  EXPECT_EQ(read(10 + 64 * 999 + 320, reg_samples), 999u);
+  EXPECT_EQ(read(10 + 64 * 999 + 321, reg_samples), 1000u);
+  EXPECT_EQ(read(200000, reg_early_count), 0u);
+}
+
+TEST_F(TwoClocks, ASampleThatFindsTheHoldingRegisterFullIsDropped) {
+  EXPECT_TRUE(submit(10));  // enters at 11
+  EXPECT_TRUE(submit(11));  // enters at 75
+  EXPECT_FALSE(submit(43));
+  EXPECT_FALSE(submit(74));
+  EXPECT_TRUE(submit(75));  // freed at this edge
+  EXPECT_EQ(read(10000, reg_samples), 3u);
+  EXPECT_EQ(read(10000, reg_early_count), 2u);
+}
+
+TEST_F(TwoClocks, LoadTakesThreeTicksAndAResetKeepsTheirLength) {
+  dut.write(400, reg_ctrl, ctrl_srst);
+  dut.write(500, reg_b1, 1000);
+  dut.write(500, reg_cmd, cmd_load);
+  EXPECT_EQ(dut.next_event(), 693u);
+  EXPECT_EQ(read(692, reg_status) & status_busy, status_busy);
+  EXPECT_EQ(read(693, cu_hi), 1000u);
+  EXPECT_TRUE(dut.idle());
+}
+
+// Samples of one kind, two and one ticks apart: what each leaves is the same, at another edge.
+TEST_F(TwoClocks, TheWordsAreThoseOfOne) {
+  Coprocessor one(options(1));
+  std::mt19937 random(3);
+  for (Coprocessor* each : {&dut, &one}) {
+    each->write(1, reg_ctrl, ctrl_adc | ctrl_demod | ctrl_calib | 2u << ctrl_ref_shift);
+    each->write(1, reg_freq_hi, 1 << 25);
+  }
+  for (uint64_t i = 1; i < 3000; ++i) {
+    const auto u = static_cast<int32_t>(random()) >> 1, v = static_cast<int32_t>(random()) >> 1;
+    const uint64_t ticks = 1 + random() % 2;  // until the next sample
+    ASSERT_TRUE(dut.submit(1000 * i, u, v, false));
+    ASSERT_TRUE(one.submit(1000 * i, u, v, false));
+    ASSERT_TRUE(dut.submit(1000 * i + 64 * ticks, v, u, false));
+    ASSERT_TRUE(one.submit(1000 * i + 32 * ticks, v, u, false));
+    dut.advance(1000 * i + 900);
+    one.advance(1000 * i + 900);
+    for (const NamedNode& node : node_names())
+      ASSERT_EQ(dut.nodes().*node.value, one.nodes().*node.value) << node.name << " of pair " << i;
+  }
+}
+
+TEST(TwoClocksOfPrecise, AreNone) {
+  Options options;
+  options.paper_iteration_clocks = 2;
+  EXPECT_EQ(Coprocessor(options).tick(), 32u);
+}
+
 // The order of calls, not their number, is all that counts: advancing cycle by cycle, event by
 // event or not at all gives the same machine.
 TEST(Advance, GivesTheSameResultsInAnyStride) {

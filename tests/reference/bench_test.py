@@ -25,7 +25,7 @@ PROGRAM = r"""
 
 int main(void) {
   uint32_t id = 0, error = 1;
-  capsoc_reference* reference = capsoc_reference_create(0, 32, 0, 0, 0, 1, 1, 1);
+  capsoc_reference* reference = capsoc_reference_create(0, 32, 0, 0, 0, 1, 1, 1, 1);
   if (reference == NULL || capsoc_reference_read(reference, 0, &id, &error) != CAPSOC_REFERENCE_OK) return 1;
   printf("%08x %u\n", (unsigned)id, (unsigned)error);
   capsoc_reference_destroy(reference);

@@ -37,7 +37,7 @@ class Reference : public ::testing::Test {
     EXPECT_EQ(capsoc_reference_clock(reference, 1), ok);
   }
 
-  capsoc_reference* reference = capsoc_reference_create(0, 32, 0, 0, 0, 1, 1, 1);
+  capsoc_reference* reference = capsoc_reference_create(0, 32, 0, 0, 0, 1, 1, 1, 1);
 };
 
 // Both have the same traffic; what acts at an edge is named by it in C++, by its interval in C.
@@ -122,9 +122,10 @@ TEST(ReferencePaper, RandomTrafficIsThatOfTheModel) {
   options.paper_reference_lead = 2;
   options.paper_step_shift = 7;
   options.paper_plain_arctangent = true;
+  options.paper_iteration_clocks = 2;
   options.safety = false;
   Coprocessor model(options);
-  capsoc_reference* reference = capsoc_reference_create(1, 16, 2, 7, 1, 1, 1, 0);
+  capsoc_reference* reference = capsoc_reference_create(1, 16, 2, 7, 1, 2, 1, 1, 0);
   ASSERT_NE(reference, nullptr);
   compare(reference, model, 2);
   capsoc_reference_destroy(reference);
@@ -212,18 +213,20 @@ TEST_F(Reference, NullIsRefused) {
 
 TEST(ReferenceParameters, OutsideTheirRangesThereIsNoReference) {
   struct Wrong {
-    int paper, bits, lead, shift, plain, block, harmonics, safety;
+    int paper, bits, lead, shift, plain, clocks, block, harmonics, safety;
     const char* said;
   };
-  for (const Wrong& w : {Wrong{2, 32, 0, 0, 0, 1, 1, 1, "paper is 2; it must be 0 to 1"},
-                         Wrong{0, 33, 0, 0, 0, 1, 1, 1, "operand_bits is 33; it must be 2 to 32"},
-                         Wrong{0, 32, 1025, 0, 0, 1, 1, 1, "reference_lead is 1025"},
-                         Wrong{0, 32, 0, -1, 0, 1, 1, 1, "step_shift is -1"},
-                         Wrong{0, 32, 0, 0, 2, 1, 1, 1, "plain_arctangent is 2"},
-                         Wrong{0, 32, 0, 0, 0, -1, 1, 1, "block is -1"},
-                         Wrong{0, 32, 0, 0, 0, 1, 7, 1, "harmonics is 7"},
-                         Wrong{0, 32, 0, 0, 0, 1, 1, 2, "safety is 2; it must be 0 to 1"}}) {
-    EXPECT_EQ(capsoc_reference_create(w.paper, w.bits, w.lead, w.shift, w.plain, w.block,
+  for (const Wrong& w :
+       {Wrong{2, 32, 0, 0, 0, 1, 1, 1, 1, "paper is 2; it must be 0 to 1"},
+        Wrong{0, 33, 0, 0, 0, 1, 1, 1, 1, "operand_bits is 33; it must be 2 to 32"},
+        Wrong{0, 32, 1025, 0, 0, 1, 1, 1, 1, "reference_lead is 1025"},
+        Wrong{0, 32, 0, -1, 0, 1, 1, 1, 1, "step_shift is -1"},
+        Wrong{0, 32, 0, 0, 2, 1, 1, 1, 1, "plain_arctangent is 2"},
+        Wrong{0, 32, 0, 0, 0, 3, 1, 1, 1, "iteration_clocks is 3"},
+        Wrong{0, 32, 0, 0, 0, 1, -1, 1, 1, "block is -1"},
+        Wrong{0, 32, 0, 0, 0, 1, 1, 7, 1, "harmonics is 7"},
+        Wrong{0, 32, 0, 0, 0, 1, 1, 1, 2, "safety is 2; it must be 0 to 1"}}) {
+    EXPECT_EQ(capsoc_reference_create(w.paper, w.bits, w.lead, w.shift, w.plain, w.clocks, w.block,
                                       w.harmonics, w.safety),
               nullptr);
     EXPECT_NE(std::string(capsoc_reference_error(nullptr)).find(w.said), std::string::npos)

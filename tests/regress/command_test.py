@@ -42,6 +42,30 @@ class Regression(unittest.TestCase):
                 self.assertGreaterEqual(sum(run["samples"] for run in arithmetic["runs"]), 10000)
                 self.assertEqual(arithmetic["missing"], [])
 
+    def test_model_and_rtl_agree_with_two_clocks_an_iteration(self):
+        with tempfile.TemporaryDirectory() as folder:
+            results = Path(folder) / "results.json"
+            two = ["--arithmetic", "paper", "--iteration-clocks", "2"]
+            done = regress(*SHORT, *two, "--json", str(results))
+            self.assertEqual(done.returncode, 0, done.stdout[-4000:] + done.stderr)
+            self.assertIn("no difference", done.stdout)
+            written = json.loads(results.read_text(encoding="utf-8"))
+            self.assertIn(" ".join(two[2:]), written["command"])
+            self.assertEqual(written["arithmetics"]["paper"]["missing"], [])
+        done = regress("--scenario", "ties", *two)
+        for spacing in ("1", "2..62", "63", "64", "65", "66..127", "128", "129..320", "321", "322", "above 400"):
+            self.assertIn(f"missing: spacing: {spacing}\n", done.stdout)
+
+    def test_two_clocks_are_a_parameter_of_paper_with_one_library(self):
+        for arguments, saying in (
+            ([], "give --arithmetic paper, too"),
+            (["--arithmetic", "paper", "--rebuild"], "leave --rebuild and --coverage out"),
+            (["--arithmetic", "paper", "--coverage", "c"], "leave --rebuild and --coverage out"),
+        ):
+            done = regress("--iteration-clocks", "2", *arguments)
+            self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
+            self.assertIn(saying, done.stderr)
+
     def test_output_does_not_depend_on_jobs(self):
         texts = {
             regress(

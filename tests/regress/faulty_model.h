@@ -73,6 +73,7 @@ class FaultyModel final : public coprocessor::Device {
   }
   bool idle() const override { return model_.idle(); }
   const coprocessor::Nodes& nodes() const override { return model_.nodes(); }
+  unsigned tick() const override { return model_.tick(); }
   bool stage_nodes(unsigned stage, coprocessor::Nodes& nodes) const override {
     return model_.stage_nodes(stage, nodes);
   }

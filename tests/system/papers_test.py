@@ -83,6 +83,18 @@ class Table8(PaperCase):
         results, _ = self.run_json(PROGRAM, *ALL_HARDWARE)
         self.assertEqual(self.words(results), self.model)
 
+    def test_two_clocks_an_iteration_give_the_same_words_later(self):
+        two = ("-C", "coprocessor.paper_iteration_clocks=2")
+        results, text = self.run_json(PROGRAM, *HARDWARE, *two)
+        self.assertEqual(self.words(results), self.model)
+        self.assertIn("clock 25000000 Hz, 250 samples/s, a result 321 clocks after its sample", text)
+
+    def test_model_and_rtl_agree_on_a_run_with_two_clocks(self):
+        short = ("--arithmetic", "paper", "-C", "run.simlimit_s=4", "--coprocessor", "lockstep")
+        process = capsoc("run", PROGRAM, *short, "-C", "coprocessor.paper_iteration_clocks=2")
+        self.assertEqual(process.returncode, 124, process.stdout + process.stderr)
+        self.assertIn("321 clocks after its sample", process.stdout)
+
     def test_the_rtl_gives_them_too_in_lockstep(self):
         results, _ = self.run_json(PROGRAM, *ALL_HARDWARE, "--coprocessor", "lockstep")
         self.assertEqual(self.words(results), self.model)

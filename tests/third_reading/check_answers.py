@@ -17,7 +17,7 @@ from coprocessor import Coprocessor
 from notation import Arithmetic
 from registers import NAMES
 
-HEADER = "capsoc-answers 1"
+HEADER = "capsoc-answers 2"
 OFFSETS = tuple(sorted(NAMES))
 
 
@@ -145,10 +145,10 @@ class Replay:
 
 
 def arithmetic_of(words):
-    name, bits, lead, shift, plain = words
+    name, bits, lead, shift, plain, clocks = words
     if name not in ("precise", "paper"):
         raise BadFile(f"there is no arithmetic {name!r}")
-    return Arithmetic(name == "paper", int(bits), int(lead), int(shift), plain == "1")
+    return Arithmetic(name == "paper", int(bits), int(lead), int(shift), plain == "1", int(clocks))
 
 
 def check_lines(lines, counts):
@@ -162,7 +162,7 @@ def check_lines(lines, counts):
             if kind == "run":
                 if replay is not None:
                     raise BadFile(f"the run {run} has no end")
-                replay, run = Replay(arithmetic_of(words[:5]), counts), " ".join([words[0], *words[5:]])
+                replay, run = Replay(arithmetic_of(words[:6]), counts), " ".join([words[0], *words[6:]])
                 counts["runs"] += 1
             else:
                 if replay is None:

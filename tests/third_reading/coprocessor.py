@@ -15,7 +15,6 @@ from polar_unit import find_parameters, find_relative, found_angle
 from reference_generator import refer, rotate
 from registers import NAMES, Registers
 
-TICK = 32
 SETTINGS = (
     "demod",
     "calib",
@@ -109,7 +108,7 @@ class Coprocessor:
         elif self.held is not None and not self.load_waits:
             self.stages[0], self.held = self.held, None
         running = self.load_stage is not None or any(sample is not None for sample in self.stages)
-        self.boundary = self.boundary + TICK if running else None
+        self.boundary = self.boundary + self.arithmetic.tick if running else None
         starts = (self.start_t0, self.start_t1, self.start_t2, self.start_t3, self.start_t4)
         for start, sample in zip(starts, self.stages):
             if sample is not None:

@@ -16,6 +16,12 @@ class Arithmetic:
     reference_lead: int = 0
     step_shift: int = 0
     plain_arctangent: bool = False
+    iteration_clocks: int = 1
+
+    @property
+    def tick(self):
+        """Cycles."""
+        return 32 * self.iteration_clocks if self.paper else 32
 
 
 def rounded(x, n):

@@ -2,16 +2,14 @@
 // for check_answers.py. Of the model, or with --rtl-library of the RTL.
 //
 // One line each, numbers in hexadecimal except edges; a run is one scenario on its own device:
-// capsoc-answers 1
-//   run ARITHMETIC OPERAND_BITS REFERENCE_LEAD STEP_SHIFT PLAIN_ARCTANGENT SCENARIO SEED  (decimal)
-//   s EDGE U V CLIP LATCHED      a sample of the ADC stream
-//   w EDGE OFFSET VALUE OK       a bus write; OK 0: PSLVERR
-//   r EDGE OFFSET VALUE OK       a bus read
-//   d EDGE OFFSET VALUE OK       a debugger's read
-//   x EDGE                       the reset pin
-//   l EDGE INTERRUPT BUSY        levels from this edge on, where they differ from those before
-//   k EDGE WORD...               a commit: every register in the order of its offset, as a debugger
-//   sees it e EDGE                       the end of the run
+// capsoc-answers 2
+//   run ARITHMETIC OPERAND_BITS REFERENCE_LEAD STEP_SHIFT PLAIN_ARCTANGENT ITERATION_CLOCKS
+//   SCENARIO SEED  (decimal) s EDGE U V CLIP LATCHED      a sample of the ADC stream w EDGE OFFSET
+//   VALUE OK       a bus write; OK 0: PSLVERR r EDGE OFFSET VALUE OK       a bus read d EDGE OFFSET
+//   VALUE OK       a debugger's read x EDGE                       the reset pin l EDGE INTERRUPT
+//   BUSY        levels from this edge on, where they differ from those before k EDGE WORD... a
+//   commit: every register in the order of its offset, as a debugger sees it e EDGE the end of the
+//   run
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -83,6 +81,7 @@ class Recorder final : public Device {
   bool interrupt() const override { return device_->interrupt(); }
   bool idle() const override { return device_->idle(); }
   const coprocessor::Nodes& nodes() const override { return device_->nodes(); }
+  unsigned tick() const override { return device_->tick(); }
 
   void end() {
     close();
@@ -121,9 +120,9 @@ bool contains(const std::vector<std::string>& names, const char* name) {
 void record(const Arguments& a, const regress::Scenario& scenario, uint64_t seed,
             std::unique_ptr<Device> device, std::FILE* file) {
   const auto& o = a.options;
-  fmt::print(file, "run {} {} {} {} {:d} {} {}\n", a.arithmetic, o.paper_operand_bits,
-             o.paper_reference_lead, o.paper_step_shift, o.paper_plain_arctangent, scenario.name,
-             seed);
+  fmt::print(file, "run {} {} {} {} {:d} {} {} {}\n", a.arithmetic, o.paper_operand_bits,
+             o.paper_reference_lead, o.paper_step_shift, o.paper_plain_arctangent,
+             o.paper_iteration_clocks, scenario.name, seed);
   Recorder recorder(std::move(device), file);
   regress::Coverage coverage(o.arithmetic);
   regress::Bench bench(recorder, o.arithmetic, coverage, [] { return false; });
@@ -146,7 +145,7 @@ int record_all(const Arguments& a, std::FILE* file) {
     }
     library = opened.value();
   }
-  fmt::print(file, "capsoc-answers 1\n");
+  fmt::print(file, "capsoc-answers 2\n");
   for (const regress::Scenario& scenario : regress::scenarios()) {
     if (!a.scenarios.empty() && !contains(a.scenarios, scenario.name)) continue;
     if (contains(a.without, scenario.name)) continue;
@@ -184,6 +183,7 @@ int main(int argc, char** argv) {
   app.add_option("--reference-lead", a.options.paper_reference_lead);
   app.add_option("--step-shift", a.options.paper_step_shift)->check(CLI::Range(0, 31));
   app.add_flag("--plain-arctangent", a.options.paper_plain_arctangent);
+  app.add_option("--iteration-clocks", a.options.paper_iteration_clocks)->check(CLI::Range(1, 2));
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -142,6 +142,7 @@ class Registers:
     block = property(lambda self: bool(self.ctrl & BLOCK))
     guard = property(lambda self: bool(self.ctrl & GUARD))
     correct = property(lambda self: bool(self.ctrl & CORRECT))
+    latency = property(lambda self: 1 + 5 * self.arithmetic.tick)
     kp = property(lambda self: self.loop & 31)
     ki = property(lambda self: self.loop >> 8 & 31)
     radius_limit = property(lambda self: self.judge_word & 0xFF)
@@ -268,7 +269,7 @@ class Registers:
             setattr(self, name.lower(), value)
 
 
-CONSTANTS = {"ID": 0x43415053, "VERSION": 0x00010005, "LATENCY": 161, "CMD": 0, "SOFT_V": 0, "CORRECTION": 0}
+CONSTANTS = {"ID": 0x43415053, "VERSION": 0x00010005, "CMD": 0, "SOFT_V": 0, "CORRECTION": 0}
 JUDGE_RECORD = ("TURN_FLAGS", "RADIUS_MAX", "RESIDUE_MAX", "WINDING", "TURN_SAMPLES", "TURN_DET")
 MASKS = {
     "LOOP": 0x1F1F,

@@ -76,6 +76,13 @@ class Options(Agreement):
         self.some("--plain-arctangent")
 
 
+class TwoClocks(Agreement):
+    """Two clocks an iteration of the arctangent: every scenario has another latency."""
+
+    def test_every_scenario(self):
+        self.agrees("--arithmetic", "paper", "--iteration-clocks", "2", *SHORT)
+
+
 class PreciseLong(Agreement):
     def test_every_scenario(self):
         self.agrees("--arithmetic", "precise", *LONG)
@@ -151,7 +158,7 @@ class Checker(unittest.TestCase):
         self.refused(head + "r 12 10\n", "line 3")
         self.refused(head + "s 12 1 1 0 0\ns 11 1 1 0 0\n", "line 4")
         self.refused(self.lines[0] + "\ne 12\n", "no run")
-        self.refused(self.lines[0] + "\nrun exact 32 0 0 0 flags 1\n", "exact")
+        self.refused(self.lines[0] + "\nrun exact 32 0 0 0 1 flags 1\n", "exact")
 
     def test_a_file_that_is_not_there(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -12,11 +12,13 @@ using namespace coprocessor;
 Bench::Bench(Device& device, Arithmetic arithmetic, Coverage& coverage,
              std::function<bool()> failed, Bus bus)
     : device_(device),
+      tick_(device.tick()),
       arithmetic_(arithmetic),
       coverage_(coverage),
       failed_(std::move(failed)),
       setup_(bus == Bus::with_setup ? 1 : 0),
-      bus_free_(setup_) {
+      bus_free_(setup_),
+      shadow_(tick_) {
   steps_.fill(description::STEP_AU_reset);
 }
 
@@ -49,7 +51,7 @@ void Bench::turn() {
   shadow_.turn();
   if (shadow_.entered()) held_ = false;
   if (shadow_.load_stage() == 0u) load_waits_ = false;
-  boundary_ += tick_cycles;
+  boundary_ += tick_;
 }
 
 void Bench::collect() {

@@ -72,6 +72,11 @@ class Bench {
 
   const coprocessor::Nodes& nodes();
   const Counts& counts() const { return counts_; }
+  /// Edges of a tick, and from the one that latches a sample to its results.
+  uint64_t tick() const { return tick_; }
+  uint64_t latency() const { return coprocessor::latency_of(tick_); }
+  /// What takes `edges` with ticks of 32.
+  uint64_t scaled(uint64_t edges) const { return edges * tick_ / coprocessor::tick_cycles; }
   coprocessor::Arithmetic arithmetic() const { return arithmetic_; }
 
  private:
@@ -104,6 +109,7 @@ class Bench {
   void shadow_latch(bool latched);
 
   coprocessor::Device& device_;
+  unsigned tick_;
   coprocessor::Arithmetic arithmetic_;
   Coverage& coverage_;
   std::function<bool()> failed_;

@@ -79,7 +79,7 @@ void Bench::cover_commit() {
   coverage_.hit_if((status & status_diverged) != 0, Group::event, 7);
   coverage_.hit_if((changed & ~status & status_valid) != 0, Group::event, 10);
   status_ = status;
-  if (edge_ > settled_at_ + latency_cycles) {
+  if (edge_ > settled_at_ + latency()) {
     coverage_.hit_if(source == 1, Group::loop, loop_class(field(loop_, description::LOOP_KP_mask)));
     coverage_.hit_if(source == 1, Group::loop,
                      5 + loop_class(field(loop_, description::LOOP_KI_mask)));
@@ -128,14 +128,14 @@ void Bench::cover_ties(const Nodes& n) {
     coverage_.hit_if((n.c_u & 0x7FFF) == 0x4000, Group::tie, 7);
     coverage_.hit_if((n.s_low & INT32_MAX) == 1 << 30, Group::tie, 8);
     coverage_.hit_if((n.c_low & INT32_MAX) == 1 << 30, Group::tie, 9);
-    if (edge_ > settled_at_ + latency_cycles)
+    if (edge_ > settled_at_ + latency())
       for (unsigned i = 0; i < 6; ++i) {
         const int64_t product = (i < 3 ? n.error_u : n.error_v) * steps_[i];
         if ((product & 0xFFFF) == 0x8000) coverage_.hit(Group::tie, product < 0 ? 4 : 3);
       }
   }
   const unsigned source = field(ctrl_, ctrl_ref_mask);
-  if (edge_ <= settled_at_ + latency_cycles) return;
+  if (edge_ <= settled_at_ + latency()) return;
   const unsigned kp = field(loop_, description::LOOP_KP_mask),
                  ki = field(loop_, description::LOOP_KI_mask);
   const auto residue = static_cast<uint64_t>(n.residue) << 16;
@@ -211,7 +211,7 @@ void Bench::cover_judge(const Nodes& n) {
 }
 
 void Bench::cover_slew(const Nodes& n) {
-  if (edge_ <= std::max(judge_at_, settled_at_) + latency_cycles) return;
+  if (edge_ <= std::max(judge_at_, settled_at_) + latency()) return;
   const unsigned slew = field(judge_, description::JUDGE_SLEW_mask);
   std::array<bool, 2> limited{};
   for (size_t channel = 0; channel < 2; ++channel) {
@@ -246,7 +246,7 @@ void Bench::cover_safety(const Nodes& n, uint32_t flags_before) {
   const int64_t step = fixed::sign_extend<30>(moved);
   last_angle_ = angle;
   // This edge is in the last tick of the sample's way.
-  if (edge_ + tick_cycles <= std::max(safety_at_, settled_at_) + latency_cycles) return;
+  if (edge_ + tick_ <= std::max(safety_at_, settled_at_) + latency()) return;
   const uint32_t found = (flags & ~flags_before & flags_safety) >> flags_safety_shift;
   if (found == safety_parity && (unfit_ & (unfit_ - 1)) == 0)
     for (size_t i = 0; i < parity_registers.size(); ++i)
@@ -342,15 +342,15 @@ void Bench::cover_enables(uint32_t value) {
 void Bench::cover_spacing() {
   if (last_sample_) {
     const uint64_t d = edge_ - *last_sample_;
-    coverage_.hit(Group::spacing, d <= 1     ? 0
-                                  : d < 31   ? 1
-                                  : d <= 33  ? d - 29
-                                  : d < 64   ? 5
-                                  : d == 64  ? 6
-                                  : d < 161  ? 7
-                                  : d <= 162 ? d - 153
-                                  : d <= 200 ? 10
-                                             : 11);
+    coverage_.hit(Group::spacing, d <= 1               ? 0
+                                  : d < tick_ - 1      ? 1
+                                  : d <= tick_ + 1     ? d + 3 - tick_
+                                  : d < 2 * tick_      ? 5
+                                  : d == 2 * tick_     ? 6
+                                  : d < latency()      ? 7
+                                  : d <= latency() + 1 ? d + 8 - latency()
+                                  : d <= scaled(200)   ? 10
+                                                       : 11);
   }
   last_sample_ = edge_;
 }

@@ -99,7 +99,7 @@ class Regression {
       : plan_(plan), asked_(asked) {
     outcome_.runs = std::move(runs);
     for (Arithmetic arithmetic : plan.arithmetics)
-      outcome_.coverage.emplace_back(arithmetic, Coverage(arithmetic));
+      outcome_.coverage.emplace_back(arithmetic, Coverage(arithmetic, plan.tick));
   }
 
   Result<Outcome> perform() {
@@ -141,7 +141,7 @@ class Regression {
   Result<std::string> work(std::size_t task) const {
     log_standard_output();
     Run run = outcome_.runs[task];
-    Coverage coverage(run.arithmetic);
+    Coverage coverage(run.arithmetic, plan_.tick);
     if (auto error = regress::perform(plan_, run, coverage)) return *error;
     return to_text(run, coverage);
   }
@@ -254,7 +254,7 @@ std::optional<Error> perform(const Plan& plan, Run& run, Coverage& coverage) {
         Finding::Kind::wrong, complaint->edge, complaint->what, "", complaint->report, 0, {}};
   if (run.finding && !run.waves_file.empty()) {
     const auto again = [&](coprocessor::Device& device, std::function<bool()> failed) {
-      Coverage unused(run.arithmetic);
+      Coverage unused(run.arithmetic, plan.tick);
       drive(device, unused, std::move(failed));
     };
     const auto waves = pair.write_waves(run.waves_file, again);

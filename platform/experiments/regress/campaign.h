@@ -74,6 +74,7 @@ struct Subject {
 
 struct Plan {
   std::vector<coprocessor::Arithmetic> arithmetics;
+  unsigned tick = coprocessor::tick_cycles;  ///< cycles, of all devices
   uint64_t first_seed = 1, seeds = 1;
   uint64_t samples = 0, accesses = 0;  ///< of each arithmetic, over all random scenarios and seeds
   unsigned jobs = 1;

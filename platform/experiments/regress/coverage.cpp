@@ -118,6 +118,24 @@ std::vector<std::string> safety() {
   return names;
 }
 
+/// With ticks of `tick` cycles.
+std::vector<std::string> spacings(unsigned tick) {
+  const unsigned latency = coprocessor::latency_of(tick);
+  const unsigned far = 200 * tick / coprocessor::tick_cycles;
+  return {"1",
+          fmt::format("2..{}", tick - 2),
+          std::to_string(tick - 1),
+          std::to_string(tick),
+          std::to_string(tick + 1),
+          fmt::format("{}..{}", tick + 2, 2 * tick - 1),
+          std::to_string(2 * tick),
+          fmt::format("{}..{}", 2 * tick + 1, latency - 1),
+          std::to_string(latency),
+          std::to_string(latency + 1),
+          fmt::format("{}..{}", latency + 2, far),
+          fmt::format("above {}", far)};
+}
+
 const std::vector<GroupNames>& groups() {
   static const std::vector<GroupNames> table = {
       {"sample quadrant", quadrants()},
@@ -154,9 +172,7 @@ const std::vector<GroupNames>& groups() {
         "sample at a tick's start", "sample and write at one edge", "LOAD at a tick's start",
         "write one edge before a tick", "write one edge after a tick's start",
         "sample and soft reset at one edge"}},
-      {"spacing",
-       {"1", "2..30", "31", "32", "33", "34..63", "64", "65..160", "161", "162", "163..200",
-        "above 200"}},
+      {"spacing", spacings(coprocessor::tick_cycles)},
       {"acceptance",
        {"ADC latched", "ADC dropped", "ADC ignored", "software latched", "software dropped",
         "latched by the edge that frees the holding register", "software with ADC on",
@@ -245,7 +261,7 @@ bool reachable(Arithmetic arithmetic, Group group, const std::string& bin) {
 
 }  // namespace
 
-Coverage::Coverage(Arithmetic arithmetic) : arithmetic_(arithmetic) {
+Coverage::Coverage(Arithmetic arithmetic, unsigned tick) : arithmetic_(arithmetic), tick_(tick) {
   for (size_t i = 0; i < hits_.size(); ++i) hits_[i].assign(groups()[i].bins.size(), 0);
 }
 
@@ -271,7 +287,8 @@ bool Coverage::add(const std::vector<uint64_t>& counts) {
 std::vector<Coverage::Bin> Coverage::bins() const {
   std::vector<Bin> result;
   for (size_t i = 0; i < hits_.size(); ++i) {
-    const GroupNames& group = groups()[i];
+    GroupNames group = groups()[i];
+    if (static_cast<Group>(i) == Group::spacing) group.bins = spacings(tick_);
     for (size_t j = 0; j < hits_[i].size(); ++j)
       if (reachable(arithmetic_, static_cast<Group>(i), group.bins[j]))
         result.push_back({group.name, group.bins[j], hits_[i][j]});

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "coprocessor/sequencer.h"
 #include "coprocessor/types.h"
 
 namespace capsoc::regress {
@@ -50,7 +51,8 @@ enum class Group : uint8_t {
 
 class Coverage {
  public:
-  explicit Coverage(coprocessor::Arithmetic arithmetic);
+  /// tick: cycles of one, after which the bins of spacing are named.
+  explicit Coverage(coprocessor::Arithmetic arithmetic, unsigned tick = coprocessor::tick_cycles);
 
   void hit(Group group, size_t bin) { ++hits_[static_cast<size_t>(group)][bin]; }
   void hit_if(bool condition, Group group, size_t bin) {
@@ -71,6 +73,7 @@ class Coverage {
 
  private:
   coprocessor::Arithmetic arithmetic_;
+  unsigned tick_;
   std::array<std::vector<uint64_t>, static_cast<size_t>(Group::count)> hits_;
 };
 

@@ -58,6 +58,7 @@ class Recorder final : public coprocessor::Device {
   bool interrupt() const override { return model_.interrupt(); }
   bool idle() const override { return model_.idle(); }
   const coprocessor::Nodes& nodes() const override { return model_.nodes(); }
+  unsigned tick() const override { return model_.tick(); }
   /// To be called at the end: what the last edge left.
   void close();
   /// Events of earlier edges are all there.

@@ -100,7 +100,7 @@ class LockstepComparison final : public Comparison {
     save.end_group("nodes that differ");
     save.begin_group("sequencer");
     save.add(Radix::binary, "rtl.boundary_o");
-    save.add(Radix::hexadecimal, "rtl.cycle_o[4:0]");
+    save.add(Radix::hexadecimal, "rtl.cycle_o[5:0]");
     save.add(Radix::binary, "rtl.stage_o[4:0]");
     save.add(Radix::binary, "rtl.load_o[2:0]");
     save.end_group("sequencer");

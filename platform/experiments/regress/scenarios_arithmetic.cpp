@@ -258,7 +258,7 @@ void run_amplitudes(Bench& bench, Random& random, const Budget&) {
       start(bench, both | ctrl_source(source));
       set_steps(bench, 1u << 29);
       bench.write_pair(reg_freq_lo, int64_t{1} << 44);
-      rotating(bench, 80, a, 1.0 / 16, 0.1, 32);
+      rotating(bench, 80, a, 1.0 / 16, 0.1, bench.tick());
     }
     // The end of the range: a1 = 2 sin 45 degrees.
     set_weights(bench, {one - 32768, one - 32768, 0, -one, -one, one - 32768});
@@ -324,7 +324,7 @@ void run_beta(Bench& bench, Random& random, const Budget&) {
         bench.write(reg_beta, static_cast<uint32_t>(std::llround(beta / two_pi * 4294967296.0)));
         bench.write(reg_phi, random.word32());
         bench.write(reg_cmd, cmd_load);
-        rotating(bench, 24, 0.6, 1.0 / 16, beta, 32);
+        rotating(bench, 24, 0.6, 1.0 / 16, beta, bench.tick());
         settle(bench, random.word32(), random.word32());
       }
 }
@@ -366,9 +366,9 @@ void run_step_ends(Bench& bench, Random& random, const Budget&) {
       bench.write_pair(reg_freq_lo, int64_t{1} << 44);
       for (unsigned i = 0; i < 12 && !bench.failed(); ++i) {
         bench.sample(corner32(random), corner32(random));
-        bench.wait(32);
+        bench.wait(bench.tick());
       }
-      rotating(bench, 24, 0.7, 1.0 / 16, 0.2, 32);
+      rotating(bench, 24, 0.7, 1.0 / 16, 0.2, bench.tick());
       // One weight alone.
       const auto chosen = static_cast<uint32_t>(random.below(6));
       set_steps(bench, 0);
@@ -401,7 +401,7 @@ void run_weight_clamp(Bench& bench, Random& random, const Budget&) {
         bench.write_pair(reg_phase_lo, int64_t{octant} << 45);
         for (unsigned i = 0; i < 12; ++i) {
           bench.sample(sign > 0 ? top : bottom, sign > 0 ? top : bottom);
-          bench.wait(40 + 32 * 4);
+          bench.wait(bench.scaled(40 + 32 * 4));
         }
         bench.drain();
         read_results(bench);
@@ -414,7 +414,7 @@ void run_weight_clamp(Bench& bench, Random& random, const Budget&) {
           const auto data = static_cast<uint32_t>(static_cast<int32_t>(random.word32()) >> 1);
           bench.sample(data, data);
           const uint64_t latched = bench.edge();
-          bench.wait_until(latched + 1 + 3 * 32 + 3);
+          bench.wait_until(latched + 1 + 3 * bench.tick() + 3);
           set_weights(bench, {one / 4, one / 8, 0, -one / 8, one / 4, 0});
           bench.drain();
           read_results(bench);
@@ -436,10 +436,10 @@ void run_loop_gains(Bench& bench, Random& random, const Budget&) {
     bench.write(reg_loop, k | (31 - k) << 8);
     for (unsigned i = 0; i < 8; ++i) {
       bench.sample(random.word32(), random.word32());
-      bench.wait(32);
+      bench.wait(bench.tick());
     }
     bench.write(reg_loop, random.below(32) | k << 8);
-    rotating(bench, 16, 0.8, 1.0 / 64, 0, 33);
+    rotating(bench, 16, 0.8, 1.0 / 64, 0, bench.tick() + 1);
   }
   // Past the clamps by every shift: the frequency at its end, the residue a quarter of a turn.
   for (uint32_t ki = 0; ki < 32; ++ki)
@@ -449,7 +449,7 @@ void run_loop_gains(Bench& bench, Random& random, const Budget&) {
       bench.write(reg_loop, ki << 8 | ki);
       bench.write_pair(reg_freq_lo, sign > 0 ? (int64_t{1} << 47) - 1 : -(int64_t{1} << 47));
       bench.sample(sign > 0 ? q31(0.7) : q31(-0.7), 0);
-      bench.wait(32);
+      bench.wait(bench.tick());
       bench.sample(random.word32(), random.word32());
       bench.drain();
       read_results(bench);
@@ -476,7 +476,7 @@ void run_thresholds(Bench& bench, Random& random, const Budget&) {
   const uint32_t u = 123456789;  // a constant error: the average creeps up to it
   for (unsigned i = 0; i < 70; ++i) {
     bench.sample(u, 0u - u / 2);
-    bench.wait(32);
+    bench.wait(bench.tick());
     if (i > 60) bench.interrupt();
   }
   bench.drain();
@@ -499,7 +499,7 @@ void run_thresholds(Bench& bench, Random& random, const Budget&) {
   // The largest average there is.
   for (unsigned i = 0; i < 700 && !bench.failed(); ++i) {
     bench.sample(bottom, i % 2 == 0 ? bottom : top);
-    bench.wait(32);
+    bench.wait(bench.tick());
   }
   bench.write(reg_diverge_threshold, 0x7FFF0000u);
   settle(bench, bottom, top);

@@ -62,7 +62,7 @@ void run_threshold_bits(Bench& bench, Random& random, const Budget&) {
     for (unsigned i = 0; i < 70; ++i) {
       const uint32_t large = random.word32() >> 1, small = large >> 3;
       bench.sample(swapped ? small : large, swapped ? large : small);
-      bench.wait(32);
+      bench.wait(bench.tick());
     }
     bench.drain();
     for (unsigned i = 0; i < 64 && !bench.failed(); ++i) {
@@ -82,7 +82,7 @@ void run_threshold_bits(Bench& bench, Random& random, const Budget&) {
     const uint32_t u = random.word32() >> 1, v = u ^ (1u << bit);
     for (unsigned i = 0; i < 3; ++i) {
       bench.sample(u, 0u - v);
-      bench.wait(32);
+      bench.wait(bench.tick());
     }
     bench.drain();
   }
@@ -97,7 +97,7 @@ void run_largest_error(Bench& bench, Random&, const Budget&) {
     bench.write_pair(reg_au_lo + (swapped ? 40 : 16), largest);  // CV, CU
     for (unsigned i = 0; i < 1800 && !bench.failed(); ++i) {
       bench.sample(swapped ? 0 : 0x80000000, swapped ? 0x80000000 : 0);
-      bench.wait(32);
+      bench.wait(bench.tick());
     }
     for (uint32_t threshold : {0x7fffffffu, 0x80000000u, 0x80000001u}) {
       bench.write(reg_lock_threshold, threshold);
@@ -158,9 +158,9 @@ void run_flag_bits(Bench& bench, Random& random, const Budget&) {
       bench.write_pair(reg_au_lo, -one / 2);
       bench.write(reg_a1, 1u << 31);
       bench.sample(0x80000000u, 0x80000000u, true);
-      bench.wait(40);
+      bench.wait(bench.scaled(40));
       for (unsigned i = 0; i < 3; ++i) bench.sample(random.word32(), random.word32());
-      bench.wait(90);
+      bench.wait(bench.scaled(90));
       for (uint32_t pair = reg_au_lo; pair < reg_cv_hi; pair += 8) bench.write_pair(pair, 0);
       bench.write(reg_a1, 0);
       bench.write(reg_a2, 0);

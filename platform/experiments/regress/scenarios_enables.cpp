@@ -36,7 +36,7 @@ void raise_all(Bench& bench, Random& random, bool alarm) {
   constexpr unsigned settled = 66, glitches = 18;
   for (unsigned i = 0; i < settled + (alarm ? glitches : 0) && !bench.failed(); ++i) {
     bench.sample(random.word32(), random.word32(), i >= settled);
-    bench.wait(33);
+    bench.wait(bench.tick() + 1);
   }
   bench.drain();
   bench.write(reg_beta, 1u << 31);
@@ -100,7 +100,7 @@ void run_enables(Bench& bench, Random& random, const Budget&) {
         bench.wait(2);
         bench.write(reg_lock_threshold, 0);  // LOCK falls
         bench.sample(random.word32(), random.word32(), true);
-        bench.wait_until(bench.edge() + latency_cycles - 1);
+        bench.wait_until(bench.edge() + bench.latency() - 1);
         bench.wait(edge);
         bench.write(reg_ctrl, comes ? learning_on | enable : learning_on);
         bench.interrupt();
@@ -147,7 +147,7 @@ void run_strobes(Bench& bench, Random& random, const Budget&) {
     const auto strobes = static_cast<uint8_t>(random.below(all_strobes));
     bench.write(static_cast<uint32_t>(random.below(0x100)), random.word32(), strobes);
     if (i % 8 == 0) bench.sample(random.word32(), random.word32());
-    bench.wait(random.below(40));
+    bench.wait(random.below(bench.scaled(40)));
   }
   bench.drain();
   for (const auto& entry : description::table) bench.read(entry.offset);

@@ -110,7 +110,7 @@ void run_golden(Bench& bench, Random& random, const Budget&) {
   const auto take = [&](bool demodulating, bool wait) {
     record.push_back(sensor.next(random));
     bench.sample(static_cast<uint32_t>(record.back().u), static_cast<uint32_t>(record.back().v));
-    if (!wait) return bench.wait(33);
+    if (!wait) return bench.wait(bench.tick() + 1);
     bench.drain();
     record.back().result = read_result(bench, demodulating);
   };

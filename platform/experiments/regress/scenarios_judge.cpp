@@ -86,7 +86,7 @@ void exact_turns(Bench& bench) {
     for (unsigned i = 0; i < 30; ++i) {
       const auto& corner = corners[(forward ? i : 4000 - i) % 4];
       bench.sample(corner[0], corner[1]);
-      bench.wait(32);
+      bench.wait(bench.tick());
     }
     shaft.read();
   }
@@ -207,7 +207,7 @@ void run_limit_bits(Bench& bench, Random& random, const Budget&) {
         if (u > INT32_MAX) continue;
         for (unsigned i = 0; i < 3; ++i) {
           bench.sample(static_cast<uint32_t>(u), random.word32() & 1);
-          bench.wait(32);
+          bench.wait(bench.tick());
         }
         shaft.read();
       }
@@ -325,7 +325,7 @@ void run_alarm(Bench& bench, Random& random, const Budget&) {
   Shaft shaft(bench, learning | ctrl_freeze, step);
   for (unsigned i = 0; i < 30; ++i) shaft.move(1, step, 1, i % 3 != 0);
   shaft.read();
-  for (unsigned edge = 0; edge < 200 && !bench.failed(); ++edge) {
+  for (unsigned edge = 0; edge < bench.scaled(200) && !bench.failed(); ++edge) {
     shaft.move(20, step, 0.3);
     bench.drain();
     const uint64_t begin = bench.edge();
@@ -338,7 +338,7 @@ void run_alarm(Bench& bench, Random& random, const Budget&) {
     if (edge % 2 == 0) bench.write(reg_ctrl, learning | ctrl_adc | ctrl_freeze);
   }
   // Settings at every edge of a sample's way.
-  for (unsigned edge = 0; edge < 200 && !bench.failed(); ++edge) {
+  for (unsigned edge = 0; edge < bench.scaled(200) && !bench.failed(); ++edge) {
     const uint64_t begin = bench.edge();
     shaft.move(1, step, edge % 3 == 0 ? 1.3 : 1);
     bench.wait_until(begin + edge);

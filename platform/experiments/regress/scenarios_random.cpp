@@ -17,22 +17,23 @@ constexpr std::array<uint32_t, 17> results = {
     reg_angle,     reg_err_u,     reg_err_v,         reg_residue, reg_samples, reg_early_count,
     reg_ref_phase, reg_amplitude, reg_error_average, reg_beta,    reg_a1};
 
-uint64_t draw_spacing(Random& random, unsigned kind) {
+uint64_t draw_spacing(const Bench& bench, Random& random, unsigned kind) {
+  const uint64_t tick = bench.tick(), latency = bench.latency();
   switch (kind) {
     case 0:
-      return 32;
+      return tick;
     case 1:
-      return random.between(32, 40);
+      return random.between(tick, bench.scaled(40));
     case 2:
-      return random.between(1, 40);
+      return random.between(1, bench.scaled(40));
     case 3:
-      return random.between(31, 33);
+      return random.between(tick - 1, tick + 1);
     case 4:
-      return random.between(160, 163);
+      return random.between(latency - 1, latency + 2);
     case 5:
-      return random.between(1, 200);
+      return random.between(1, bench.scaled(200));
     default:
-      return random.between(24, 72);
+      return random.between(bench.scaled(24), bench.scaled(72));
   }
 }
 
@@ -166,7 +167,7 @@ void run(Bench& bench, Random& random, const Budget& budget, const Habits& habit
       configure(bench, random, signal);
       next = std::max(next, bench.edge());
     }
-    const uint64_t space = draw_spacing(random, spacing_kind);
+    const uint64_t space = draw_spacing(bench, random, spacing_kind);
     const uint64_t left = budget.samples > done.samples ? budget.samples - done.samples : 1;
     const uint64_t due = all_accesses > done.accesses ? all_accesses - done.accesses : 0;
     uint64_t accesses = due / left;

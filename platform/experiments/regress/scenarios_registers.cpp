@@ -114,7 +114,7 @@ void run_pairs(Bench& bench, Random& random, const Budget&) {
         break;
       default:
         bench.sample(random.word32(), random.word32());
-        bench.wait(random.below(200));
+        bench.wait(random.below(bench.scaled(200)));
     }
     if (i % 100 == 99) {
       bench.write(reg_ctrl, ctrl_srst);
@@ -158,9 +158,9 @@ void run_flags(Bench& bench, Random& random, const Budget&) {
       if (i % 6 == 1) bench.write(reg_ctrl, ctrl_adc | ctrl_calib | ctrl_demod | enabled | 0xC);
       if (i % 6 == 2) bench.write(reg_a1, ~0u);
       // Some clear at the very edge of the commit, some next to it.
-      bench.wait_until(latched + latency_cycles - 1);
+      bench.wait_until(latched + bench.latency() - 1);
       bench.interrupt();
-      bench.wait_until(latched + latency_cycles + (i % 3 == 0 ? 0 : i % 3 - 1));
+      bench.wait_until(latched + bench.latency() + (i % 3 == 0 ? 0 : i % 3 - 1));
       if (i % 3 == 2) bench.interrupt();
       bench.write(reg_flags, i % 2 == 0 ? flags_all : 1u << random.below(flag_count));
       bench.interrupt();

@@ -150,7 +150,7 @@ void parity_of_sums(Bench& bench, Random& random) {
     set_safety(bench, safety_parity | (random.chance(0.4) ? safety_bad_parity : 0));
     bench.sample(random.word32() >> 2, random.word32() >> 2);
     if (random.chance(0.5)) {
-      bench.wait(random.below(latency_cycles));
+      bench.wait(random.below(static_cast<unsigned>(bench.latency())));
       set_safety(bench, safety_parity | (random.chance(0.5) ? safety_bad_parity : 0));
     }
     take(bench);
@@ -175,7 +175,7 @@ void unwatched_parity(Bench& bench, Random& random) {
 void parity_at_every_edge(Bench& bench, Random& random, uint32_t ctrl) {
   constexpr std::array<uint32_t, 6> some = {reg_phase_lo, reg_freq_lo, reg_au_lo,
                                             reg_bv_lo,    reg_a1,      reg_turn_limit};
-  for (unsigned edge = 0; edge < 200 && !bench.failed(); ++edge) {
+  for (unsigned edge = 0; edge < bench.scaled(200) && !bench.failed(); ++edge) {
     const uint32_t offset = some[edge % some.size()];
     const bool comes = random.chance(0.5);
     begin(bench, ctrl, safety_parity | safety_bad_parity);
@@ -186,7 +186,7 @@ void parity_at_every_edge(Bench& bench, Random& random, uint32_t ctrl) {
     }
     const uint64_t start = bench.edge();
     bench.sample(random.word32() >> 2, random.word32() >> 2);
-    bench.wait(32);
+    bench.wait(bench.tick());
     bench.sample(random.word32() >> 2, random.word32() >> 2);
     bench.wait_until(start + edge);
     if (random.chance(0.2))
@@ -242,7 +242,7 @@ void around_step_limits(Bench& bench, Random& random) {
 // A result that is taken, or not, at each edge around the next commit; and mechanisms that are
 // switched at each edge of a sample's way.
 void settings_at_every_edge(Bench& bench, Random& random) {
-  for (unsigned edge = 0; edge < 200 && !bench.failed(); ++edge) {
+  for (unsigned edge = 0; edge < bench.scaled(200) && !bench.failed(); ++edge) {
     begin(bench, calibrating | ctrl_ie_safety, all_on | limits(31, 29));
     bench.sample(random.word32(), random.word32());
     bench.drain();
@@ -272,7 +272,7 @@ void settings_at_every_edge(Bench& bench, Random& random) {
     bench.drain();
     const uint64_t start = bench.edge();
     bench.sample(random.word32(), random.word32());
-    bench.wait_until(start + latency_cycles - 4 + beside);
+    bench.wait_until(start + bench.latency() - 4 + beside);
     bench.write(reg_flags, flag_result);
     take(bench);
   }

@@ -71,16 +71,16 @@ void run_settings(Bench& bench, Random& random, const Budget&) {
         if (locks) bench.write(reg_lock_threshold, ~0u);
         for (unsigned i = 0; locks && i < 70; ++i) {
           bench.sample(random.word32(), random.word32());
-          bench.wait(tick_cycles);
+          bench.wait(bench.tick());
         }
         bench.drain();
         bench.wait(2);
         const uint64_t latched = bench.edge();
         bench.sample(zero ? 0 : random.word32() >> 2, zero ? 0 : random.word32() >> 2);
         // Seen by the start of one tick and gone before the next.
-        bench.wait_until(latched + tick_cycles * stage);
+        bench.wait_until(latched + bench.tick() * stage);
         bench.write(setting.offset, setting.during);
-        bench.wait_until(latched + tick_cycles * stage + 2);
+        bench.wait_until(latched + bench.tick() * stage + 2);
         bench.write(setting.offset, setting.before);
         bench.drain();
         bench.read(reg_status);

@@ -73,11 +73,11 @@ void single_bits(Bench& bench, Random& random) {
 // The setting at every edge of the way of samples that are beyond some of its limits.
 void setting_at_every_edge(Bench& bench, Random& random) {
   begin_slewing(bench, random, slewing, 0);
-  for (unsigned edge = 0; edge < 200 && !bench.failed(); ++edge) {
+  for (unsigned edge = 0; edge < bench.scaled(200) && !bench.failed(); ++edge) {
     bench.drain();
     const uint64_t start = bench.edge();
     bench.sample(random.word32() & 0x3FFFFFFF, random.word32() | 0xC0000000);
-    bench.wait(32);
+    bench.wait(bench.tick());
     bench.sample(random.word32() >> 6, 0u - (random.word32() >> 12));
     bench.wait_until(start + edge);
     bench.write(reg_judge, 0x3333 | static_cast<uint32_t>(edge % 8) << judge_slew_shift);
@@ -99,7 +99,7 @@ void run_slew(Bench& bench, Random& random, const Budget&) {
     begin_slewing(bench, random, slewing, n);
     for (unsigned i = 0; i < 24 && !bench.failed(); ++i) {
       bench.sample(corner32(random), random.word32() >> random.below(32));
-      bench.wait(32);
+      bench.wait(bench.tick());
     }
   }
   bench.drain();

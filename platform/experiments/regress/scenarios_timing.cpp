@@ -9,7 +9,6 @@ using namespace coprocessor;
 namespace {
 
 constexpr uint32_t running = ctrl_adc | ctrl_demod | ctrl_calib | ctrl_ie_result;
-constexpr uint64_t way = latency_cycles + 3;
 
 void start_again(Bench& bench, uint32_t ctrl = running) {
   bench.drain();
@@ -47,7 +46,7 @@ void read_weights(Bench& bench) {
 void run_spacing(Bench& bench, Random& random, const Budget&) {
   start_again(bench);
   bench.write_pair(reg_freq_lo, int64_t{1} << 42);
-  for (uint64_t space = 1; space <= 200 && !bench.failed(); ++space) {
+  for (uint64_t space = 1; space <= bench.scaled(200) && !bench.failed(); ++space) {
     for (unsigned i = 0; i < 7; ++i) {
       noise(bench, random);
       bench.wait(space);
@@ -59,7 +58,7 @@ void run_spacing(Bench& bench, Random& random, const Budget&) {
   }
   for (unsigned i = 0; i < 300; ++i) {
     noise(bench, random);
-    bench.wait(random.between(1, 230));
+    bench.wait(random.between(1, bench.scaled(230)));
   }
   bench.drain();
   look(bench);
@@ -67,14 +66,14 @@ void run_spacing(Bench& bench, Random& random, const Budget&) {
 
 void run_load_moments(Bench& bench, Random& random, const Budget&) {
   // LOAD at every edge after a lone sample; after it a sample that has to wait.
-  for (uint64_t at = 0; at <= way && !bench.failed(); ++at) {
+  for (uint64_t at = 0; at <= bench.latency() + 3 && !bench.failed(); ++at) {
     start_again(bench, at % 2 == 0 ? running : running & ~ctrl_demod);
     parameters(bench, random);
     bench.wait(2);
     noise(bench, random);
     bench.wait(at);
     bench.write(reg_cmd, cmd_load);
-    bench.wait(random.below(40));
+    bench.wait(random.below(bench.scaled(40)));
     noise(bench, random);
     bench.drain();
     look(bench);
@@ -86,16 +85,16 @@ void run_load_moments(Bench& bench, Random& random, const Budget&) {
     parameters(bench, random);
     for (unsigned j = 0; j < 6; ++j) {
       noise(bench, random);
-      bench.wait(random.between(28, 36));
+      bench.wait(random.between(bench.scaled(28), bench.scaled(36)));
     }
     bench.write(reg_cmd, cmd_load);
-    bench.wait(random.below(300));
+    bench.wait(random.below(bench.scaled(300)));
     if (i % 2 == 0) bench.write(reg_cmd, cmd_load);
     if (i % 3 == 0) parameters(bench, random);
     if (i % 5 == 0) bench.write_pair(reg_au_lo + 8 * static_cast<uint32_t>(random.below(6)), 12345);
     for (unsigned j = 0; j < 6; ++j) {
       noise(bench, random);
-      bench.wait(random.between(1, 40));
+      bench.wait(random.between(1, bench.scaled(40)));
     }
     bench.drain();
     look(bench);
@@ -125,13 +124,13 @@ void run_load_moments(Bench& bench, Random& random, const Budget&) {
 
 void run_reset_moments(Bench& bench, Random& random, const Budget&) {
   for (int kind = 0; kind < 4; ++kind)
-    for (uint64_t at = 0; at <= way && !bench.failed(); ++at) {
+    for (uint64_t at = 0; at <= bench.latency() + 3 && !bench.failed(); ++at) {
       start_again(bench);
       if (kind >= 2) {
         // The pipeline full, a sample held.
         for (unsigned i = 0; i < 6; ++i) {
           noise(bench, random);
-          bench.wait(i == 4 ? 5 : 32);
+          bench.wait(i == 4 ? 5 : bench.tick());
         }
       } else {
         noise(bench, random);
@@ -147,14 +146,14 @@ void run_reset_moments(Bench& bench, Random& random, const Budget&) {
       bench.read(reg_flags);
       bench.write(reg_ctrl, running);
       noise(bench, random);
-      bench.wait(random.below(60));
+      bench.wait(random.below(bench.scaled(60)));
       noise(bench, random);
       bench.drain();
       look(bench);
       read_weights(bench);
     }
   // In the course of a LOAD.
-  for (uint64_t at = 0; at <= 100 && !bench.failed(); ++at) {
+  for (uint64_t at = 0; at <= bench.scaled(100) && !bench.failed(); ++at) {
     start_again(bench);
     bench.write(reg_cmd, cmd_load);
     bench.wait(at);
@@ -163,7 +162,7 @@ void run_reset_moments(Bench& bench, Random& random, const Budget&) {
       bench.write(reg_ctrl, ctrl_srst);
     else
       bench.pin_reset();
-    bench.wait(random.below(40));
+    bench.wait(random.below(bench.scaled(40)));
     bench.write(reg_ctrl, running);
     noise(bench, random);
     bench.drain();
@@ -175,14 +174,14 @@ void run_reset_moments(Bench& bench, Random& random, const Budget&) {
     for (unsigned i = 0; i < 8; ++i) {
       start_again(bench);
       noise(bench, random);
-      bench.wait(random.between(3, 100));
+      bench.wait(random.between(3, bench.scaled(100)));
       bench.write(reg_cmd, cmd_load);
       bench.wait(random.between(1, 20));
       if (soft)
         bench.write(reg_ctrl, ctrl_srst);
       else
         bench.pin_reset();
-      bench.wait(200);
+      bench.wait(bench.scaled(200));
       look(bench);
       read_weights(bench);
       // An idle one, right after the latching edge.
@@ -192,7 +191,7 @@ void run_reset_moments(Bench& bench, Random& random, const Budget&) {
         bench.write(reg_ctrl, ctrl_srst);
       else
         bench.pin_reset();
-      bench.wait(40);
+      bench.wait(bench.scaled(40));
       look(bench);
     }
 }
@@ -212,7 +211,7 @@ void run_collisions(Bench& bench, Random& random, const Budget&) {
           bench.wait(2);
           noise(bench, random);
           const uint64_t latched = bench.edge();
-          bench.wait_until(latched + 32 * tick + at);
+          bench.wait_until(latched + bench.tick() * tick + at);
           uint32_t value = random.word32();
           if (offset == reg_ctrl) value = (value & 0x70F) | ctrl_adc;
           if (offset >= reg_step_au && offset <= reg_step_cv) value &= INT32_MAX;
@@ -235,7 +234,7 @@ void run_collisions(Bench& bench, Random& random, const Budget&) {
   for (unsigned i = 0; i < 12 && !bench.failed(); ++i) {
     start_again(bench);
     noise(bench, random);
-    bench.wait(i < 4 ? 161 : 4);
+    bench.wait(i < 4 ? bench.latency() : 4);
     if (i >= 4) noise(bench, random);
     if (i >= 4) bench.wait(1);
     noise(bench, random);
@@ -264,12 +263,12 @@ void run_modes(Bench& bench, Random& random, const Budget&) {
         bench.write(reg_ctrl, ctrl(from));
         noise(bench, random);
         if (busy)
-          bench.wait(random.below(latency_cycles));
+          bench.wait(random.below(bench.latency()));
         else
           bench.drain();
         bench.write(reg_ctrl, ctrl(to));
         noise(bench, random);
-        bench.wait(random.below(latency_cycles + 32));
+        bench.wait(random.below(bench.latency() + bench.tick()));
         look(bench);
         read_weights(bench);
         bench.read(reg_freq_hi);

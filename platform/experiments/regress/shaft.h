@@ -46,7 +46,7 @@ class Shaft {
       const double u = scale * sensor_.a1 * std::sin(angle_) + sensor_.b1;
       const double v = scale * sensor_.a2 * std::cos(angle_ + sensor_.beta) + sensor_.b2;
       bench_.sample(q31_word(u), q31_word(v), clip);
-      bench_.wait(32);
+      bench_.wait(bench_.tick());
       angle_ += turns * two_pi;
     }
   }

@@ -17,7 +17,7 @@ struct Area {
   std::optional<double> slowest_mhz, fastest_mhz;
 };
 
-/// By the arithmetic's name: "precise", "paper", or one of them.
+/// By the name in scripts/tool synth: "precise", "paper", "two-clocks", or some of them.
 using Synthesis = std::map<std::string, Area>;
 
 /// Reads what `scripts/tool synth --json FILE` writes. The error is one sentence that begins with

@@ -18,6 +18,7 @@ module capsoc_reference_monitor #(
   parameter int ReferenceLead = 0,
   parameter int StepShift     = 0,
   parameter int PlainArctangent = 0,
+  parameter int IterationClocks = 1,
   parameter int Block         = 1,
   parameter int Harmonics     = 1,
   parameter int Safety        = 1,
@@ -45,7 +46,7 @@ module capsoc_reference_monitor #(
 
 `ifndef CAPSOC_REFERENCE_VPI
   import "DPI-C" function chandle capsoc_reference_create(input int paper, input int operand_bits, input int reference_lead,
-    input int step_shift, input int plain_arctangent, input int block, input int harmonics,
+    input int step_shift, input int plain_arctangent, input int iteration_clocks, input int block, input int harmonics,
     input int safety);
   import "DPI-C" function void capsoc_reference_destroy(input chandle r);
   import "DPI-C" function int capsoc_reference_reset(input chandle r);
@@ -68,7 +69,8 @@ module capsoc_reference_monitor #(
   int unsigned error, data, ready, irq, idle;
 
   initial begin
-    reference = `CAPSOC_REFERENCE(create)(Paper, OperandBits, ReferenceLead, StepShift, PlainArctangent, Block, Harmonics, Safety);
+    reference = `CAPSOC_REFERENCE(create)(Paper, OperandBits, ReferenceLead, StepShift, PlainArctangent,
+                                           IterationClocks, Block, Harmonics, Safety);
 `ifdef CAPSOC_REFERENCE_VPI
     if (reference == 0) $fatal(1, "there is no reference");
 `else

@@ -10,7 +10,7 @@
 #include "capsoc_reference.h"
 #include "vpi_user.h"
 
-enum { most_arguments = 8, most_references = 64 };
+enum { most_arguments = 9, most_references = 64 };
 
 /* By the letters of a function's arguments: r reference, i input word, s input string,
  * o output word, q output of 64 bits. */
@@ -20,9 +20,9 @@ typedef struct {
 } function_t;
 
 static const function_t functions[] = {
-    {"create", "iiiiiiii"}, {"destroy", "r"},      {"reset", "r"},      {"write", "riiio"},
-    {"read", "rioo"},       {"peek", "rio"},       {"sample", "riiio"}, {"clock", "ri"},
-    {"outputs", "rooo"},    {"signal_index", "s"}, {"signal", "riq"},   {"commits", "rq"},
+    {"create", "iiiiiiiii"}, {"destroy", "r"},      {"reset", "r"},      {"write", "riiio"},
+    {"read", "rioo"},        {"peek", "rio"},       {"sample", "riiio"}, {"clock", "ri"},
+    {"outputs", "rooo"},     {"signal_index", "s"}, {"signal", "riq"},   {"commits", "rq"},
     {"edge", "rq"},
 };
 enum { function_count = sizeof functions / sizeof functions[0] };
@@ -77,9 +77,10 @@ static void write_outputs(const function_t* function, const argument_t* argument
 static int32_t create(const argument_t* a) {
   for (int i = 0; i < most_references; ++i) {
     if (references[i] != NULL) continue;
-    references[i] = capsoc_reference_create(
-        (int32_t)a[0].word, (int32_t)a[1].word, (int32_t)a[2].word, (int32_t)a[3].word,
-        (int32_t)a[4].word, (int32_t)a[5].word, (int32_t)a[6].word, (int32_t)a[7].word);
+    references[i] =
+        capsoc_reference_create((int32_t)a[0].word, (int32_t)a[1].word, (int32_t)a[2].word,
+                                (int32_t)a[3].word, (int32_t)a[4].word, (int32_t)a[5].word,
+                                (int32_t)a[6].word, (int32_t)a[7].word, (int32_t)a[8].word);
     if (references[i] != NULL) return i + 1;
     vpi_printf("%s\n", capsoc_reference_error(NULL));
     return 0;

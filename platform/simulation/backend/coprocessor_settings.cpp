@@ -9,6 +9,7 @@ coprocessor::Options CoprocessorSettings::options() const {
   options.paper_reference_lead = static_cast<int>(paper_reference_lead());
   options.paper_step_shift = static_cast<int>(paper_step_shift());
   options.paper_plain_arctangent = paper_plain_arctangent();
+  options.paper_iteration_clocks = static_cast<int>(paper_iteration_clocks());
   return options;
 }
 

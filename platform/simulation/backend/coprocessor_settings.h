@@ -31,6 +31,10 @@ struct CoprocessorSettings {
   FlagField paper_plain_arctangent{
       all, setting("coprocessor.paper_plain_arctangent", SettingKind::flag, "false",
                    "paper: the arctangent's input neither shifted nor folded (Table 8: true)")};
+  IntegerField paper_iteration_clocks{
+      all, setting("coprocessor.paper_iteration_clocks", SettingKind::integer, "1",
+                   "paper: clocks of an iteration of the arctangent; 2: results after 321 clocks")
+               .in(1, 2)};
   ChoiceField<Backend> backend{
       all,
       {{"tlm", Backend::model}, {"rtl", Backend::rtl}, {"lockstep", Backend::lockstep}},

@@ -20,14 +20,12 @@ namespace capsoc::rtl {
 
 using coprocessor::commit_stage;
 using coprocessor::IdleState;
-using coprocessor::latency_cycles;
 using coprocessor::load_stage_count;
 using coprocessor::NamedNode;
 using coprocessor::node_names;
 using coprocessor::Nodes;
 using coprocessor::RegisterAccess;
 using coprocessor::stage_count;
-using coprocessor::tick_cycles;
 
 namespace {
 
@@ -45,6 +43,7 @@ class CoprocessorRtl::Pins {
         inside_(*api_.inside),
         clocking_(clocking),
         instance_(api_.create(), api_.destroy),
+        tick_(coprocessor::tick_cycles * static_cast<unsigned>(api_.iteration_clocks)),
         pins_(*api_.pins(instance_.get())),
         values_(inside_.node_count) {
     // RtlLibrary has seen to it that the library's are these.
@@ -106,6 +105,7 @@ class CoprocessorRtl::Pins {
   }
 
   const capsoc_rtl_inside& inside() const { return inside_; }
+  unsigned tick() const { return tick_; }
 
   uint64_t get_flip_flops(uint32_t index, uint32_t part) {
     settle();
@@ -208,14 +208,12 @@ class CoprocessorRtl::Pins {
   std::optional<uint64_t> next_event() {
     settle();
     if (pins_.idle) return std::nullopt;
-    const uint64_t boundary = edge_ + (pins_.stage || pins_.load ? tick_cycles - pins_.cycle : 1u);
+    const uint64_t boundary = edge_ + (pins_.stage || pins_.load ? tick_ - pins_.cycle : 1u);
     for (unsigned stage = stage_count; stage-- > 0;)
-      if (pins_.stage >> stage & 1)
-        return boundary + uint64_t{stage_count - 1 - stage} * tick_cycles;
+      if (pins_.stage >> stage & 1) return boundary + uint64_t{stage_count - 1 - stage} * tick_;
     for (unsigned stage = load_stage_count; stage-- > 0;)
-      if (pins_.load >> stage & 1)
-        return boundary + uint64_t{load_stage_count - 1 - stage} * tick_cycles;
-    return boundary + uint64_t{pins_.load_pending ? load_stage_count : stage_count} * tick_cycles;
+      if (pins_.load >> stage & 1) return boundary + uint64_t{load_stage_count - 1 - stage} * tick_;
+    return boundary + uint64_t{pins_.load_pending ? load_stage_count : stage_count} * tick_;
   }
 
   bool interrupt() {
@@ -379,7 +377,7 @@ class CoprocessorRtl::Pins {
   /// It entered at the beginning of the tick, so it was latched before.
   uint64_t taken_of_t0() {
     const uint64_t taken = taken_.front();
-    if (taken == 0 || taken + tick_cycles >= edge_ + 1) return 0;
+    if (taken == 0 || taken + tick_ >= edge_ + 1) return 0;
     forget_oldest();
     return taken;
   }
@@ -420,6 +418,7 @@ class CoprocessorRtl::Pins {
   const capsoc_rtl_inside& inside_;
   Clocking clocking_;
   std::unique_ptr<capsoc_rtl, void (*)(capsoc_rtl*)> instance_;
+  const unsigned tick_;  // cycles
   capsoc_rtl_pins& pins_;
 
   uint64_t edge_ = 0;     // made; the pins show the interval after it
@@ -489,6 +488,10 @@ const Nodes& CoprocessorRtl::nodes() const {
 
 bool CoprocessorRtl::stage_nodes(unsigned stage, Nodes& nodes) const {
   return pins_->stage_nodes(stage, nodes);
+}
+
+unsigned CoprocessorRtl::tick() const {
+  return pins_->tick();
 }
 
 void CoprocessorRtl::visit(Archive& archive) {

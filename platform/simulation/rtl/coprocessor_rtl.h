@@ -36,6 +36,7 @@ class CoprocessorRtl final : public coprocessor::Device {
   bool idle() const override;
   const coprocessor::Nodes& nodes() const override;
   bool stage_nodes(unsigned stage, coprocessor::Nodes& nodes) const override;
+  unsigned tick() const override;
   const char* kind() const override { return "rtl"; }
   void visit(Archive& archive) override;
   bool save_idle(coprocessor::IdleState& state) const override;

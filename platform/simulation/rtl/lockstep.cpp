@@ -24,7 +24,6 @@ using coprocessor::node_names;
 using coprocessor::Nodes;
 using coprocessor::RegisterAccess;
 using coprocessor::stage_count;
-using coprocessor::tick_cycles;
 
 namespace {
 
@@ -119,7 +118,7 @@ class Lockstep::Pair {
     ++counters_.writes;
     const bool mapped = model_->write_bytes(present_, offset, value, strobes);
     if (mapped && offset == coprocessor::reg_cmd && (value & coprocessor::cmd_load) != 0)
-      load_until_ = present_ + load_ticks * tick_cycles;
+      load_until_ = present_ + load_ticks * model_->tick();
     if (same()) {
       const bool theirs = rtl_->write_bytes(present_, offset, value, strobes);
       compare("response to the write of " + register_name(offset), mapped, theirs);
@@ -357,7 +356,7 @@ class Lockstep::Pair {
   uint64_t next_stop() const {
     const auto event = model_->next_event();
     if (!event) return UINT64_MAX;
-    const uint64_t boundary = *event - (*event - present_ - 1) / tick_cycles * tick_cycles;
+    const uint64_t boundary = *event - (*event - present_ - 1) / model_->tick() * model_->tick();
     return boundary - 1 > present_ ? boundary - 1 : boundary;
   }
 
@@ -484,6 +483,10 @@ void Lockstep::Counters::visit(Archive& archive) {
   archive("commits", commits);
   archive("nodes", nodes);
   archive("interrupt_edges", interrupt_edges);
+}
+
+unsigned Lockstep::tick() const {
+  return pair_->model_->tick();
 }
 
 void Lockstep::visit(Archive& archive) {

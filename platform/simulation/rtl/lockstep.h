@@ -67,6 +67,7 @@ class Lockstep final : public coprocessor::Device {
   bool interrupt() const override;
   bool idle() const override;
   const coprocessor::Nodes& nodes() const override;
+  unsigned tick() const override;
   const char* kind() const override { return "lockstep"; }
   void visit(Archive& archive) override;
   bool save_idle(coprocessor::IdleState& state) const override;

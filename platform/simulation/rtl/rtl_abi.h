@@ -13,7 +13,7 @@
 extern "C" {
 #endif
 
-#define CAPSOC_RTL_ABI_VERSION 6
+#define CAPSOC_RTL_ABI_VERSION 7
 #define CAPSOC_RTL_ENTRY "capsoc_rtl_entry"
 
 /* Pins that a design need not have: bits of capsoc_rtl_api::absent_pins. As inputs they go nowhere,
@@ -42,7 +42,7 @@ typedef struct capsoc_rtl_pins {
   /* The sequencer, from the probe; 0 without capsoc_rtl_api::inside. */
   uint8_t boundary;   /* the edge that ends this interval begins a tick or ends one */
   uint8_t enter;      /* with boundary: the held sample enters T0 */
-  uint8_t cycle;      /* 0..31 in the running tick */
+  uint8_t cycle;      /* 0..31 in the running tick, 0..63 with two clocks an iteration */
   uint8_t stage;      /* bit s: stage s holds a sample */
   uint8_t load;       /* one-hot: L0..L2 under way */
   uint8_t load_start; /* with boundary: the load stage that begins */
@@ -121,6 +121,7 @@ typedef struct capsoc_rtl_api {
   const char* source_hash;                                 /* SHA-256 of the RTL, in hexadecimal */
   int32_t paper, operand_bits, reference_lead, step_shift; /* which model it is to agree with */
   int32_t plain_arctangent;                                /* the fifth */
+  int32_t iteration_clocks;                                /* the sixth: 1 or 2 */
   int32_t coverage;                                        /* built with line and toggle coverage */
   uint32_t absent_pins;
 

@@ -1,7 +1,7 @@
 # Shared libraries of Verilated RTL behind rtl_abi.h: `capsoc` opens them at run time (--rtl-library), so RTL may change without it.
 #
 #   capsoc_add_rtl_library(NAME TOP MODULE SOURCES FILE...
-#     [ARITHMETIC precise|paper] [OPERAND_BITS N] [REFERENCE_LEAD N] [STEP_SHIFT N] [PLAIN_ARCTANGENT 0|1]
+#     [ARITHMETIC precise|paper] [OPERAND_BITS N] [REFERENCE_LEAD N] [STEP_SHIFT N] [PLAIN_ARCTANGENT 0|1] [ITERATION_CLOCKS 1|2]
 #     [PINS PIN=PORT...] [PARAMETERS NAME=VALUE...] [VERILATOR_ARGS ARG...] [DEPENDS FILE...])
 #
 # makes libNAME.so of somebody's own design. It is compared with the model as a black box, at its pins:
@@ -13,7 +13,7 @@
 #   in   pclk, presetn (or preset, active high), psel, penable, pwrite, paddr[11:0], pwdata[31:0], pstrb[3:0] (may be missing),
 #        sample_valid, sample_u[31:0], sample_v[31:0] (Q1.31), sample_clip
 #   out  prdata[31:0], and those that may be missing: pready, pslverr, sample_ready, irq, idle
-# ARITHMETIC and the four behind it name the model that the design is to agree with (capsoc's settings coprocessor.arithmetic and
+# ARITHMETIC and the five behind it name the model that the design is to agree with (capsoc's settings coprocessor.arithmetic and
 # coprocessor.paper_*). Verilator's warnings of the design are shown.
 include_guard(GLOBAL)
 
@@ -170,13 +170,13 @@ function(capsoc_ports name)
 endfunction()
 
 function(capsoc_add_rtl_library name)
-  set(model ARITHMETIC OPERAND_BITS REFERENCE_LEAD STEP_SHIFT PLAIN_ARCTANGENT)
+  set(model ARITHMETIC OPERAND_BITS REFERENCE_LEAD STEP_SHIFT PLAIN_ARCTANGENT ITERATION_CLOCKS)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "TOP;${model}" "SOURCES;PINS;PARAMETERS;VERILATOR_ARGS;DEPENDS")
   if(arg_UNPARSED_ARGUMENTS OR NOT arg_TOP OR NOT arg_SOURCES)
     message(FATAL_ERROR "capsoc_add_rtl_library(${name}): wants TOP and SOURCES, and nothing that it does not know (${arg_UNPARSED_ARGUMENTS})")
   endif()
   set(arithmetics precise paper)
-  set(defaults precise 32 0 0 0)
+  set(defaults precise 32 0 0 0 1)
   foreach(key default IN ZIP_LISTS model defaults)
     if(NOT DEFINED arg_${key})
       set(arg_${key} ${default})
@@ -236,6 +236,7 @@ function(capsoc_add_rtl_library name)
     SOURCES ${sources} ${generated}/capsoc_black_box.sv DEPENDS ${arg_DEPENDS} FLAGS ${arg_VERILATOR_ARGS}
     DEFINITIONS CAPSOC_RTL_PAPER=${paper} CAPSOC_RTL_OPERAND_BITS=${arg_OPERAND_BITS} CAPSOC_RTL_REFERENCE_LEAD=${arg_REFERENCE_LEAD}
                 CAPSOC_RTL_STEP_SHIFT=${arg_STEP_SHIFT} CAPSOC_RTL_PLAIN_ARCTANGENT=${arg_PLAIN_ARCTANGENT}
+                CAPSOC_RTL_ITERATION_CLOCKS=${arg_ITERATION_CLOCKS}
                 "CAPSOC_RTL_ABSENT_PINS=(${absent_pins})")
   target_sources(${name} PRIVATE ${generated}/rtl_hash.h)
 endfunction()

@@ -20,7 +20,8 @@ constexpr const char* rebuild = "build it with `cmake --build BUILD --target cap
 // For parameters that the paper's arithmetic does not have by itself.
 constexpr const char* rebuild_with =
     "`cmake --build BUILD --target capsoc_rtl_table_8` builds the one of 16 bits, lead 2, shift 7 "
-    "and a plain arctangent; for others add a line to platform/simulation/rtl/CMakeLists.txt";
+    "and a plain arctangent, `--target capsoc_rtl_two_clocks` the one of two clocks an iteration; "
+    "for others add a line to platform/simulation/rtl/CMakeLists.txt";
 
 /// Why its nodes and state are not those that this program knows; "" if they are.
 std::string refuse_inside(const std::string& file, const capsoc_rtl_inside& inside) {
@@ -48,13 +49,16 @@ std::string refuse(const std::string& file, const capsoc_rtl_api& api,
   if (paper && (api.operand_bits != options.paper_operand_bits ||
                 api.reference_lead != options.paper_reference_lead ||
                 api.step_shift != options.paper_step_shift ||
-                (api.plain_arctangent != 0) != options.paper_plain_arctangent))
+                (api.plain_arctangent != 0) != options.paper_plain_arctangent ||
+                api.iteration_clocks != options.paper_iteration_clocks))
     return fmt::format(
         "{}: its parameters (operand bits {}, reference lead {}, step shift {}, plain arctangent "
-        "{}) are not the model's ({}, {}, {}, {}); build a library with these",
+        "{}, iteration clocks {}) are not the model's ({}, {}, {}, {}, {}); build a library with "
+        "these",
         file, api.operand_bits, api.reference_lead, api.step_shift, api.plain_arctangent,
-        options.paper_operand_bits, options.paper_reference_lead, options.paper_step_shift,
-        options.paper_plain_arctangent ? 1 : 0);
+        api.iteration_clocks, options.paper_operand_bits, options.paper_reference_lead,
+        options.paper_step_shift, options.paper_plain_arctangent ? 1 : 0,
+        options.paper_iteration_clocks);
   if (api.inside != nullptr) return refuse_inside(file, *api.inside);
   if (use == RtlLibrary::Use::at_its_pins) return {};
   return fmt::format(
@@ -104,12 +108,14 @@ std::string RtlLibrary::file_name(const coprocessor::Options& options) {
   if (options.arithmetic != coprocessor::Arithmetic::paper ||
       (options.paper_operand_bits == Options().paper_operand_bits &&
        options.paper_reference_lead == 0 && options.paper_step_shift == 0 &&
-       !options.paper_plain_arctangent))
+       !options.paper_plain_arctangent && options.paper_iteration_clocks == 1))
     return file_name(options.arithmetic);
-  return host::library_path(fmt::format("libcapsoc_rtl_paper_{}_{}_{}_{}.so",
+  const std::string clocks =
+      options.paper_iteration_clocks == 1 ? "" : fmt::format("_{}", options.paper_iteration_clocks);
+  return host::library_path(fmt::format("libcapsoc_rtl_paper_{}_{}_{}_{}{}.so",
                                         options.paper_operand_bits, options.paper_reference_lead,
                                         options.paper_step_shift,
-                                        options.paper_plain_arctangent ? 1 : 0));
+                                        options.paper_plain_arctangent ? 1 : 0, clocks));
 }
 
 std::string RtlLibrary::file_name(coprocessor::Arithmetic arithmetic, bool coverage) {

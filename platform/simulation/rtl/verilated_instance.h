@@ -109,6 +109,7 @@ constexpr capsoc_rtl_api api_of(uint32_t absent_pins, const capsoc_rtl_inside* i
   api.reference_lead = CAPSOC_RTL_REFERENCE_LEAD;
   api.step_shift = CAPSOC_RTL_STEP_SHIFT;
   api.plain_arctangent = CAPSOC_RTL_PLAIN_ARCTANGENT;
+  api.iteration_clocks = CAPSOC_RTL_ITERATION_CLOCKS;
   api.coverage = CAPSOC_RTL_COVERAGE;
   api.absent_pins = absent_pins;
   api.create = []() -> Rtl* {

@@ -322,7 +322,7 @@ void Timeline::result(const coprocessor::Nodes& nodes, uint64_t number) {
   if (!open_) return;
   const sc_core::sc_time time = sc_core::sc_time_stamp();
   const uint64_t now = picoseconds(time);
-  const uint64_t tick = picoseconds(soc_.clock.duration(coprocessor::tick_cycles, time));
+  const uint64_t tick = picoseconds(soc_.clock.duration(soc_.coprocessor.device().tick(), time));
   const std::string name = number == 0 ? "written" : fmt::format("sample {}", number);
   const uint64_t begin = now - std::min(now, coprocessor::stage_count * tick);
   if (mine != taken_.end() && taken < begin)

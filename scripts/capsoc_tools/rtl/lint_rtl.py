@@ -2,9 +2,10 @@
 
 usage: lint_rtl [-h]
 
-verilator --lint-only -Wall and yosys for the top in both arithmetics, iverilog -g2012 -Wall (compile only); verilator
-for the probe with its nodes, too. The same three for the tops of rtl/wrappers; of these, yosys also says whether a path
-leads from an input to an output of the bus. Status 0: silence; 1: the messages are printed; 2: a tool is missing.
+verilator --lint-only -Wall and yosys for the top in both arithmetics and with two clocks an iteration, iverilog -g2012
+-Wall (compile only); verilator for the probe with its nodes, too. The same three for the tops of rtl/wrappers; of them,
+yosys also says whether a path leads from an input to an output of the bus. Status 0: silence; 1: the messages are
+printed; 2: a tool is missing.
 """
 
 import re
@@ -18,6 +19,7 @@ from capsoc_tools.rtl.sources import DESIGN, PROBE, ROOT, RTL, WRAPPERS, RtlErro
 
 WAIVERS = RTL / "lint" / "verilator.vlt"
 TOP = "coprocessor"
+DESIGNS = {"precise": (("Paper", 0),), "paper": (("Paper", 1),), "two clocks": (("Paper", 1), ("IterationClocks", 2))}
 PROBE_TOP = "coprocessor_probe"
 # The tops of rtl/wrappers, and their outputs that registers alone must determine: IHI 0022E, A3.1.1, allows no other
 # path in AXI; in AHB-Lite one to HREADYOUT would lead through HREADY of the bus.
@@ -45,11 +47,12 @@ def said(command, ignore=None):
 
 def checks(files, probe, folder):
     names = [str(path) for path in files]
-    for paper in (0, 1):
-        label = "paper" if paper else "precise"
+    for label, parameters in DESIGNS.items():
+        settings = [f"-P{TOP}.{name}={value}" for name, value in parameters]
+        generics = [f"-G{name}={value}" for name, value in parameters]
         yield (
             f"verilator, {label}",
-            ["verilator", "--lint-only", "-Wall", f"-GPaper={paper}", "--top-module", TOP, str(WAIVERS), *names],
+            ["verilator", "--lint-only", "-Wall", *generics, "--top-module", TOP, str(WAIVERS), *names],
             None,
         )
         # What the probe takes out is as wide as the list of nodes says.
@@ -59,7 +62,7 @@ def checks(files, probe, folder):
                 "verilator",
                 "--lint-only",
                 "-Wall",
-                f"-GPaper={paper}",
+                *generics,
                 "--top-module",
                 PROBE_TOP,
                 f"-I{folder}",
@@ -76,13 +79,14 @@ def checks(files, probe, folder):
                 "-q",
                 "-p",
                 f"read_verilog -sv {' '.join(names)}; "
-                f"chparam -set Paper {paper} {TOP}; hierarchy -check -top {TOP}; proc; check -assert",
+                + "".join(f"chparam -set {name} {value} {TOP}; " for name, value in parameters)
+                + f"hierarchy -check -top {TOP}; proc; check -assert",
             ],
             None,
         )
         yield (
             f"iverilog, {label}",
-            ["iverilog", "-g2012", "-Wall", f"-P{TOP}.Paper={paper}", "-s", TOP, "-t", "null", *names],
+            ["iverilog", "-g2012", "-Wall", *settings, "-s", TOP, "-t", "null", *names],
             ICARUS_NOTE,
         )
 

@@ -35,7 +35,7 @@ TEST(RtlLibrary, WhatIsNoLibraryIsRefused) {
 
 TEST(RtlLibrary, AnInterfaceOfAnotherVersionIsRefused) {
   expect_refusal(LIBRARIES "/rtl_library_wrong_version.so",
-                 "its interface has version 7 and this program wants 6");
+                 "its interface has version 8 and this program wants 7");
 }
 
 // What RTL is in a library is its own matter; nodes and registers that are not the program's are
@@ -61,7 +61,11 @@ TEST(RtlLibrary, OtherParametersThanTheModelsAreRefused) {
   options = options_of(Arithmetic::paper);
   options.paper_plain_arctangent = true;
   expect_refusal(RtlLibrary::file_name(Arithmetic::paper),
-                 "plain arctangent 0) are not the model's", options);
+                 "plain arctangent 0, iteration clocks 1) are not the model's", options);
+  options = options_of(Arithmetic::paper);
+  options.paper_iteration_clocks = 2;
+  expect_refusal(RtlLibrary::file_name(Arithmetic::paper), "are not the model's (32, 0, 0, 0, 2)",
+                 options);
 }
 
 TEST(RtlLibrary, IsFoundByItsParameters) {
@@ -69,6 +73,9 @@ TEST(RtlLibrary, IsFoundByItsParameters) {
   EXPECT_EQ(RtlLibrary::file_name(options), RtlLibrary::file_name(Arithmetic::paper));
   options.paper_step_shift = 7;
   EXPECT_NE(RtlLibrary::file_name(options).find("libcapsoc_rtl_paper_32_0_7_0.so"),
+            std::string::npos);
+  options.paper_iteration_clocks = 2;
+  EXPECT_NE(RtlLibrary::file_name(options).find("libcapsoc_rtl_paper_32_0_7_0_2.so"),
             std::string::npos);
   options.arithmetic = Arithmetic::precise;
   EXPECT_EQ(RtlLibrary::file_name(options), RtlLibrary::file_name(Arithmetic::precise))

@@ -49,6 +49,7 @@ class FaultyModel : public Device {
   bool interrupt() const override { return faults_.interrupt(model_.interrupt()); }
   bool idle() const override { return model_.idle(); }
   const Nodes& nodes() const override { return model_.nodes(); }
+  unsigned tick() const override { return model_.tick(); }
   bool stage_nodes(unsigned stage, Nodes& nodes) const override {
     if (!model_.stage_nodes(stage, nodes)) return false;
     faults_.node(stage, nodes);

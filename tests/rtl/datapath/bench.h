@@ -45,7 +45,9 @@ struct Registers {
 struct Timing {
   bool boundary = false;
   bool enter = false;
+  unsigned clock = 0;  // of the tick
   unsigned cycle = 0;
+  bool rest = false;
   unsigned stage = 0;       // bit s: T0..T4 hold a sample
   unsigned load = 0;        // bit s: L0..L2
   unsigned load_start = 0;  // with boundary
@@ -108,7 +110,9 @@ class Bench {
   void drive(const Timing& t) {
     top_.boundary_i = t.boundary;
     top_.enter_i = t.enter;
+    top_.clock_i = static_cast<uint8_t>(t.clock);
     top_.cycle_i = static_cast<uint8_t>(t.cycle);
+    top_.rest_i = t.rest;
     top_.stage_i = static_cast<uint8_t>(t.stage);
     top_.load_i = static_cast<uint8_t>(t.load);
     top_.load_start_i = static_cast<uint8_t>(t.load_start);

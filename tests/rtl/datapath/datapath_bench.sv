@@ -4,11 +4,13 @@ module datapath_bench #(
   parameter int OperandBits = 32,    // paper: of the PI arctangent's multipliers
   parameter int ReferenceLead = 0,   // paper: samples by which the reference leads its data
   parameter int StepShift = 0,       // paper: right shift of the step after its register
-  parameter int PlainArctangent = 0  // paper: the arctangent's input as it is
+  parameter int PlainArctangent = 0, // paper: the arctangent's input as it is
+  parameter int IterationClocks = 1  // paper: clocks of an iteration of the arctangent
 ) (
   input  logic               clk_i, rst_ni, clear_i, boundary_i,
+  input  logic [5:0]         clock_i,
   input  logic [4:0]         cycle_i,
-  input  logic               enter_i,
+  input  logic               rest_i, enter_i,
   input  logic [4:0]         stage_i,
   input  logic [2:0]         load_i, load_start_i,
   input  logic signed [31:0] held_u_i, held_v_i,
@@ -52,7 +54,7 @@ module datapath_bench #(
   state_we_t   state_we;
   flags_t      flags;
   status_t     status;
-  assign tick = {boundary_i, enter_i, cycle_i, stage_i, load_i, load_start_i};
+  assign tick = {boundary_i, enter_i, clock_i, cycle_i, rest_i, stage_i, load_i, load_start_i};
   assign registers.STEP_AU = step_au_i;
   assign registers.STEP_BU = step_bu_i;
   assign registers.STEP_CU = step_cu_i;
@@ -70,7 +72,7 @@ module datapath_bench #(
 
   datapath #(
     .Paper(Paper), .OperandBits(OperandBits), .ReferenceLead(ReferenceLead), .StepShift(StepShift),
-    .PlainArctangent(PlainArctangent)
+    .PlainArctangent(PlainArctangent), .IterationClocks(IterationClocks)
   ) dut (
     .clk_i, .rst_ni, .clear_i, .frozen_i, .pending_i(1'b0), .distrust_i(1'b0), .bad_parity_i(1'b0), .bad_safety_i(1'b0),
     .tick_i(tick), .held_i({held_u_i, held_v_i, held_clip_i}), .settings_i(settings),

@@ -12,6 +12,7 @@
 #include "bench.h"
 #include "coprocessor/calibrator.h"
 #include "coprocessor/lms_demodulator.h"
+#include "coprocessor/sequencer.h"
 
 namespace capsoc::rtl_test {
 namespace {
@@ -32,6 +33,7 @@ using coprocessor::Weights;
 #define CAPSOC_REFERENCE_LEAD 0
 #define CAPSOC_STEP_SHIFT 0
 #define CAPSOC_PLAIN_ARCTANGENT 0
+#define CAPSOC_ITERATION_CLOCKS 1
 #endif
 
 Options options() {
@@ -41,7 +43,20 @@ Options options() {
   out.paper_reference_lead = CAPSOC_REFERENCE_LEAD;
   out.paper_step_shift = CAPSOC_STEP_SHIFT;
   out.paper_plain_arctangent = CAPSOC_PLAIN_ARCTANGENT != 0;
+  out.paper_iteration_clocks = CAPSOC_ITERATION_CLOCKS;
   return out;
+}
+
+constexpr unsigned tick_clocks = coprocessor::tick_cycles * CAPSOC_ITERATION_CLOCKS;
+
+// A clock of a tick as the sequencer says it.
+Timing timing(unsigned clock) {
+  const bool last = clock == tick_clocks - 1;
+  Timing t;
+  t.clock = clock;
+  t.cycle = last ? 31 : std::min(clock, 30u);
+  t.rest = clock > 30 && !last;
+  return t;
 }
 
 // Words with a liking for the places where rounding, clamping and normalising change.
@@ -156,13 +171,12 @@ class Pipeline {
 
   // One tick; `enter`: a new sample comes in at the boundary that ends it.
   void tick(bool enter, unsigned load_start = 0) {
-    for (unsigned cycle = 0; cycle < 31; ++cycle) {
+    for (unsigned clock = 0; clock < tick_clocks - 1; ++clock) {
       // Noise in the registers: nothing may depend on them in mid-tick.
-      if (cycle % 7 == 0) {
+      if (clock % 7 == 0) {
         bench_.drive(random_registers(words_));
       }
-      Timing t;
-      t.cycle = cycle;
+      Timing t = timing(clock);
       t.stage = stage_;
       t.load = load_;
       bench_.drive(t);
@@ -189,10 +203,9 @@ class Pipeline {
     const int32_t value = words_.word32() >> 12;
     bench_.correct(write, node, value);
     if (write) corrections_[node] = value;
-    Timing t;
+    Timing t = timing(tick_clocks - 1);
     t.boundary = true;
     t.enter = enter;
-    t.cycle = 31;
     t.stage = stage_;
     t.load = load_;
     t.load_start = load_start;
@@ -206,17 +219,16 @@ class Pipeline {
     check_results();
   }
 
-  // Soft reset in cycle `cycle` of the running tick: nothing of the past may show.
-  void clear(unsigned cycle) {
-    for (unsigned c = 0; c <= cycle; ++c) {
+  // Soft reset in clock `clock` of the running tick: nothing of the past may show.
+  void clear(unsigned clock) {
+    for (unsigned c = 0; c <= clock; ++c) {
       bench_.drive(random_registers(words_));
-      Timing t;
-      t.cycle = c;
+      Timing t = timing(c);
       t.stage = stage_;
       t.load = load_;
-      t.boundary = c == 31;
+      t.boundary = c == tick_clocks - 1;
       bench_.drive(t);
-      bench_.top().clear_i = c == cycle;
+      bench_.top().clear_i = c == clock;
       bench_.settle();
       bench_.edge();
     }
@@ -228,8 +240,7 @@ class Pipeline {
     any_ = status_valid_ = status_lock_ = status_diverged_ = status_mirror_ = false;
     angle_ = result_average_ = 0;
     sum_u_ = sum_v_ = settled_ = 0;
-    Timing idle;
-    idle.cycle = cycle;
+    const Timing idle = timing(clock);
     for (unsigned i = 0; i < 3; ++i) {
       bench_.drive(idle);
       bench_.settle();
@@ -480,7 +491,7 @@ TEST(Datapath, SoftResetInAnyCycle) {
       while (pipeline.stage() != 0) pipeline.tick(false, (pipeline.stage() & 15) == 0 ? 1 : 0);
       if (i % 8 == 0) pipeline.tick(false, 2);
     }
-    pipeline.clear(i % 32);
+    pipeline.clear(i % tick_clocks);
   }
 }
 

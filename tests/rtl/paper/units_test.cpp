@@ -34,13 +34,14 @@ class PaperUnits : public ::testing::Test {
   }
   ~PaperUnits() override { top.final(); }
 
-  // One tick; leaves the units in cycle 31, where their outputs count.
+  // One tick, of 64 clocks; leaves the units in its last one, where their outputs count. Those with
+  // one clock an iteration are done, and hold theirs, since the 31st.
   void tick() {
-    for (unsigned cycle = 0; cycle < 32; ++cycle) {
+    for (unsigned clock = 0; clock < 64; ++clock) {
       top.clk_i = 1;
       top.eval();
       top.clk_i = 0;
-      top.cycle_i = static_cast<uint8_t>(cycle);
+      top.clock_i = static_cast<uint8_t>(clock);
       top.eval();
     }
   }
@@ -102,6 +103,11 @@ TEST_F(PaperUnits, CalibratorAgrees) {
     ASSERT_EQ(as_signed(top.det_o), expected.det) << i;
     ASSERT_EQ(top.mirror_o, expected.mirror) << i;
     ASSERT_EQ(top.calibrator_saturated_o, expected.saturated) << i;
+    ASSERT_EQ(as_signed(top.two_cal_s_o), static_cast<int32_t>(expected.s)) << i;
+    ASSERT_EQ(as_signed(top.two_cal_c_o), static_cast<int32_t>(expected.c)) << i;
+    ASSERT_EQ(as_signed(top.two_det_o), expected.det) << i;
+    ASSERT_EQ(top.two_mirror_o, expected.mirror) << i;
+    ASSERT_EQ(top.two_calibrator_saturated_o, expected.saturated) << i;
   }
 }
 
@@ -185,6 +191,12 @@ TEST_F(PaperUnits, ParametersAgree) {
     ASSERT_EQ(top.beta_o, expected.beta);
     ASSERT_EQ(top.parameters_settled_o, !packet.unsettled);
     ASSERT_EQ(top.parameters_saturated_o, packet.saturated);
+    ASSERT_EQ(as_signed(top.two_a1_o), expected.a1);
+    ASSERT_EQ(as_signed(top.two_a2_o), expected.a2);
+    ASSERT_EQ(top.two_phi_o, expected.phi);
+    ASSERT_EQ(top.two_beta_o, expected.beta);
+    ASSERT_EQ(top.two_parameters_settled_o, !packet.unsettled);
+    ASSERT_EQ(top.two_parameters_saturated_o, packet.saturated);
   };
   constexpr std::array<int32_t, 6> corners = {0, INT32_MIN, INT32_MAX, 1, -1, 1 << 30};
   for (const int32_t a : corners)
@@ -215,6 +227,10 @@ TEST_F(PaperUnits, NarrowArctangentsAgree) {
     agree(top.angle_16_o, top.magnitude_16_o, top.settled_16_o, paper::to_polar(y, x, 16, true));
     agree(top.angle_18_o, top.magnitude_18_o, top.settled_18_o, paper::to_polar(y, x, 18, false));
     agree(top.angle_19_o, top.magnitude_19_o, top.settled_19_o, paper::to_polar(y, x, 19, false));
+    agree(top.two_angle_16_o, top.two_magnitude_16_o, top.two_settled_16_o,
+          paper::to_polar(y, x, 16, true));
+    agree(top.two_angle_19_o, top.two_magnitude_19_o, top.two_settled_19_o,
+          paper::to_polar(y, x, 19, false));
     if (HasFatalFailure()) return;
     settled += top.settled_16_o;
   }
@@ -235,6 +251,10 @@ TEST_F(PaperUnits, NothingMovesWithoutRun) {
   const uint32_t error = top.error_u_o;
   const uint32_t cal_s = top.cal_s_o;
   const uint64_t au = top.au_o;
+  const uint32_t two_a1 = top.two_a1_o;
+  const uint32_t two_phi = top.two_phi_o;
+  const uint32_t two_angle = top.two_angle_16_o;
+  const uint32_t two_cal_s = top.two_cal_s_o;
   EXPECT_NE(error, 0u);
   EXPECT_NE(cal_s, 0u);
   EXPECT_NE(angle, 0u);
@@ -250,6 +270,10 @@ TEST_F(PaperUnits, NothingMovesWithoutRun) {
     EXPECT_EQ(top.error_u_o, error);
     EXPECT_EQ(top.cal_s_o, cal_s);
     EXPECT_EQ(top.au_o, au);
+    EXPECT_EQ(top.two_a1_o, two_a1);
+    EXPECT_EQ(top.two_phi_o, two_phi);
+    EXPECT_EQ(top.two_angle_16_o, two_angle);
+    EXPECT_EQ(top.two_cal_s_o, two_cal_s);
   }
 }
 
