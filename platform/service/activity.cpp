@@ -15,6 +15,7 @@ namespace {
 
 constexpr uint64_t own_parts = 3;      // of ActivityRecord, which are no exceptions
 constexpr uint64_t whole_share = 255;  // of a bin
+constexpr uint64_t ps_in_second = 1'000'000'000'000;
 
 std::string name_of(unsigned part) {
   if (part == ActivityRecord::asleep) return "asleep";
@@ -40,6 +41,7 @@ void Activity::begin(std::size_t window) {
   window_ = window;
   if (is_on_) return;
   is_on_ = true;
+  clock_changed();
   armv7m::Core& core = soc_->cpu.core();
   record_.begin(trace::picoseconds(sc_core::sc_time_stamp()), parts(core.sleeping()));
   core.add_observer(*this, false, false);
@@ -55,7 +57,16 @@ void Activity::end() {
   soc_->cpu.core().listeners().sleeps = std::exchange(other_, nullptr);
 }
 
+void Activity::clock_changed() {
+  const kit::ClockDomain& clock = soc_->clock;
+  edge_ = clock.cycles_at(sc_core::sc_time_stamp());
+  edge_ps_ = trace::picoseconds(clock.time_of(edge_));
+  period_ps_ = ps_in_second % clock.frequency_hz() == 0 ? ps_in_second / clock.frequency_hz() : 0;
+}
+
+/// Of a whole period without the kernel, which takes several times as long.
 uint64_t Activity::ps_of(uint64_t cycle) const {
+  if (period_ps_ != 0 && cycle >= edge_) return edge_ps_ + (cycle - edge_) * period_ps_;
   return trace::picoseconds(soc_->clock.time_of(cycle));
 }
 

@@ -26,6 +26,8 @@ class Activity final : private armv7m::Observer {
   void begin(std::size_t window);
   void end();
   bool is_on() const { return is_on_; }
+  /// The frequency of the processor's clock is another one from now on.
+  void clock_changed();
   /// The one that was asked for last.
   std::size_t window() const { return window_; }
   /// For begin() or later, as the method processor.activity has it.
@@ -46,6 +48,9 @@ class Activity final : private armv7m::Observer {
 
   soc::Soc* soc_ = nullptr;
   bool is_on_ = false;
+  // An edge of the clock after its last change, its instant, and the period if it is a whole number
+  // of picoseconds, else 0.
+  uint64_t edge_ = 0, edge_ps_ = 0, period_ps_ = 0;
   std::size_t window_ = 0;
   ActivityRecord record_;
   std::function<void(bool)> other_;  ///< that listened to sleep before

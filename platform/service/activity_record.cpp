@@ -14,7 +14,7 @@ void for_bits(uint64_t bits, Each each) {
 }  // namespace
 
 void ActivityRecord::begin(uint64_t ps, uint64_t parts) {
-  seen_ = 0;
+  seen_ = seen_count_ = 0;
   for (Level& level : levels_) level = {};
   see(parts);
   before_ = parts;
@@ -26,25 +26,9 @@ void ActivityRecord::begin(uint64_t ps, uint64_t parts) {
 /// Slots follow the order of first appearance.
 void ActivityRecord::see(uint64_t parts) {
   for_bits(parts & ~seen_, [this](unsigned part) {
-    slots_[part] = static_cast<uint8_t>(__builtin_popcountll(seen_));
+    slots_[part] = seen_count_++;
     seen_ |= bit(part);
   });
-}
-
-void ActivityRecord::change(uint64_t ps, uint64_t parts, unsigned entered) {
-  if ((parts & ~seen_) != 0) see(parts);
-  Change& last = changes_.back();
-  ps = std::max(ps, last.ps);
-  if (entered == 0) {
-    if (parts == last.parts) return;
-    // What lasted no time did not happen.
-    if (ps == last.ps && last.entered == 0) {
-      last.parts = parts;
-      return;
-    }
-  }
-  changes_.push_back({ps, parts, entered});
-  if (changes_.size() > most_changes) drop_half();
 }
 
 /// Bits of the parts that begin with a change.
@@ -59,10 +43,13 @@ ActivityRecord::Stretch ActivityRecord::stretch(std::size_t index, uint64_t befo
   return {change.ps, std::max(end, change.ps), change.parts, begun(change, before)};
 }
 
-/// The older half becomes shares. Windows that the newer half covers need none.
+/// The older half becomes shares. Windows that the newer half covers need none. A bin of one window
+/// has whole bins of the shorter ones, so the changes are added up once.
 void ActivityRecord::drop_half() {
   constexpr std::size_t half = most_changes / 2;
   const uint64_t kept_ps = changes_[half].ps, covered = changes_.back().ps - kept_ps;
+  uint64_t finest = 0;
+  std::vector<Run> runs;
   for (std::size_t i = 0; i < windows.size(); ++i) {
     Level& level = levels_[i];
     const uint64_t width = windows[i] / bin_count;
@@ -70,9 +57,9 @@ void ActivityRecord::drop_half() {
       level = {};
       continue;
     }
+    if (finest == 0) runs = runs_of(half, finest = width);
     if (level.runs.empty()) level.begin_ps = changes_.front().ps;
-    for (std::size_t k = 0; k < half; ++k)
-      add(level, width, stretch(k, k == 0 ? before_ : changes_[k - 1].parts, kept_ps));
+    for (const Run& run : runs) add(level, run, width / finest);
   }
   for (std::size_t k = 0; k < half; ++k) {
     for_bits(begun(changes_[k], before_), [&](unsigned part) { since_[part] = changes_[k].ps; });
@@ -81,41 +68,77 @@ void ActivityRecord::drop_half() {
   changes_.erase(changes_.begin(), changes_.begin() + half);
 }
 
-ActivityRecord::Run& ActivityRecord::run_at(Level& level, uint64_t bin) const {
-  const bool is_new = level.runs.empty() || level.runs.back().first != bin;
-  if (is_new) level.runs.push_back({bin, 1, {}});
-  return level.runs.back();
+void ActivityRecord::Bin::put(const Stretch& stretch, uint64_t ps, uint64_t begun) {
+  for_bits(stretch.parts, [&](unsigned part) { shares[part].ps += ps; });
+  for_bits(begun, [&](unsigned part) { ++shares[part].begun; });
 }
 
-void ActivityRecord::put(Run& run, const Stretch& stretch, uint64_t ps, uint64_t begun) const {
-  if (const auto parts = static_cast<std::size_t>(__builtin_popcountll(seen_));
-      run.shares.size() < parts)
-    run.shares.resize(parts);
-  for_bits(stretch.parts, [&](unsigned part) { run.shares[slots_[part]].ps += ps; });
-  for_bits(begun, [&](unsigned part) { ++run.shares[slots_[part]].begun; });
+/// The bins of a number of changes from the first one on.
+std::vector<ActivityRecord::Run> ActivityRecord::runs_of(std::size_t count, uint64_t width) const {
+  std::vector<Run> runs;
+  Bin bin;
+  bin.edge = (changes_.front().ps / width + 1) * width;
+  for (std::size_t k = 0; k < count; ++k) {
+    Stretch left = stretch(k, before(k), changes_[count].ps);
+    if (left.begin == bin.edge) close(runs, bin, width);
+    while (left.end > bin.edge) {
+      bin.put(left, bin.edge - left.begin, left.begun);
+      left.begun = 0;
+      left.begin = bin.edge;
+      close(runs, bin, width);
+      const uint64_t whole = (left.end - left.begin) / width;
+      if (whole <= 1) continue;
+      // Equal ones are one run; the last bin may continue.
+      bin.put(left, width, 0);
+      close(runs, bin, width);
+      runs.back().count = whole - 1;
+      left.begin += (whole - 1) * width;
+      bin.edge = left.begin + width;
+    }
+    bin.put(left, left.end - left.begin, left.begun);
+  }
+  close(runs, bin, width);
+  return runs;
 }
 
-void ActivityRecord::add(Level& level, uint64_t width, const Stretch& stretch) {
-  // Most are short: without a division.
-  if (level.edge != 0 && stretch.end <= level.edge)
-    return put(level.runs.back(), stretch, stretch.end - stretch.begin, stretch.begun);
-  const uint64_t first = stretch.begin / width, edge = (first + 1) * width;
-  put(run_at(level, first), stretch, std::min(stretch.end, edge) - stretch.begin, stretch.begun);
-  level.edge = edge;
-  if (stretch.end <= edge) return;
-  level.edge = 0;
-  if (const uint64_t whole = (stretch.end - edge) / width; whole > 0) {
-    level.runs.push_back({first + 1, whole, {}});
-    put(level.runs.back(), stretch, width, 0);
-  }
-  if (const uint64_t rest = (stretch.end - edge) % width; rest > 0) {
-    const uint64_t last = stretch.end / width;
-    put(run_at(level, last), stretch, rest, 0);
-    level.edge = (last + 1) * width;
-  }
-  const uint64_t end = level.runs.back().first + level.runs.back().count;
-  while (level.runs.front().first + level.runs.front().count + bin_count < end)
+/// Begins the next bin.
+void ActivityRecord::close(std::vector<Run>& runs, Bin& bin, uint64_t width) const {
+  Run run{bin.edge / width - 1, 1, std::vector<Share>(seen_count_)};
+  for_bits(seen_, [&](unsigned part) { run.shares[slots_[part]] = bin.shares[part]; });
+  runs.push_back(std::move(run));
+  bin = {};
+  bin.edge = (runs.back().first + 2) * width;
+}
+
+/// `ratio`: bins of the run in one of the level.
+void ActivityRecord::add(Level& level, const Run& run, uint64_t ratio) const {
+  const uint64_t end = run.first + run.count;
+  uint64_t at = run.first;
+  const auto put_until = [&](uint64_t next) {
+    if (next <= at) return;
+    const uint64_t bins = std::max<uint64_t>(1, (next - at) / ratio);
+    put(level, at / ratio, bins, run, (next - at) / bins);
+    at = next;
+  };
+  put_until(std::min(end, (at + ratio - 1) / ratio * ratio));
+  put_until(std::max(at, end / ratio * ratio));
+  put_until(end);
+  const uint64_t newest = level.runs.back().first + level.runs.back().count;
+  while (level.runs.front().first + level.runs.front().count + bin_count < newest)
     level.runs.pop_front();
+}
+
+/// Into each of some bins a run's shares, several times.
+void ActivityRecord::put(Level& level, uint64_t bin, uint64_t count, const Run& run,
+                         uint64_t times) const {
+  const bool is_new = level.runs.empty() || level.runs.back().first != bin;
+  if (is_new) level.runs.push_back({bin, count, {}});
+  std::vector<Share>& shares = level.runs.back().shares;
+  if (shares.size() < run.shares.size()) shares.resize(run.shares.size());
+  for (std::size_t slot = 0; slot < run.shares.size(); ++slot) {
+    shares[slot].ps += run.shares[slot].ps * times;
+    shares[slot].begun += run.shares[slot].begun * times;
+  }
 }
 
 ActivityRecord::View ActivityRecord::view(std::size_t window, uint64_t now_ps) const {

@@ -29,7 +29,21 @@ class ActivityRecord {
   void begin(uint64_t ps, uint64_t parts);
   /// From here on these parts last. `entered`: one of them that begins here even if it lasted
   /// before, as a handler that is entered again at once; 0: none.
-  void change(uint64_t ps, uint64_t parts, unsigned entered = 0);
+  void change(uint64_t ps, uint64_t parts, unsigned entered = 0) {
+    if ((parts & ~seen_) != 0) see(parts);
+    Change& last = changes_.back();
+    if (ps < last.ps) ps = last.ps;
+    if (entered == 0) {
+      if (parts == last.parts) return;
+      // What lasted no time did not happen.
+      if (ps == last.ps && last.entered == 0) {
+        last.parts = parts;
+        return;
+      }
+    }
+    changes_.push_back({ps, parts, entered});
+    if (changes_.size() > most_changes) drop_half();
+  }
 
   /// One part in a window.
   struct Row {
@@ -69,17 +83,23 @@ class ActivityRecord {
   /// The past that is no longer in changes_, for one length of window.
   struct Level {
     uint64_t begin_ps = 0;
-    uint64_t edge = 0;  ///< end of the last bin, if more is put there; 0: nothing is
     std::deque<Run> runs;
+  };
+  /// Shares of one bin, by part.
+  struct Bin {
+    uint64_t edge = 0;  ///< its end
+    std::array<Share, part_count> shares{};
+    void put(const Stretch& stretch, uint64_t ps, uint64_t begun);
   };
 
   static uint64_t begun(const Change& change, uint64_t before);
   Stretch stretch(std::size_t index, uint64_t before, uint64_t now) const;
   void see(uint64_t parts);
   void drop_half();
-  void add(Level& level, uint64_t width, const Stretch& stretch);
-  Run& run_at(Level& level, uint64_t bin) const;
-  void put(Run& run, const Stretch& stretch, uint64_t ps, uint64_t begun) const;
+  std::vector<Run> runs_of(std::size_t count, uint64_t width) const;
+  void close(std::vector<Run>& runs, Bin& bin, uint64_t width) const;
+  void add(Level& level, const Run& run, uint64_t ratio) const;
+  void put(Level& level, uint64_t bin, uint64_t count, const Run& run, uint64_t times) const;
   std::size_t first_in(uint64_t begin_ps) const;
   uint64_t before(std::size_t index) const {
     return index == 0 ? before_ : changes_[index - 1].parts;
@@ -93,7 +113,8 @@ class ActivityRecord {
   uint64_t before_ = 0;                       // parts before the first of them
   std::array<uint64_t, part_count> since_{};  // when each of these began
   uint64_t seen_ = 0;                         // parts
-  std::array<uint8_t, part_count> slots_{};   // of each part that was seen
+  uint8_t seen_count_ = 0;
+  std::array<uint8_t, part_count> slots_{};  // of each part that was seen
   std::array<Level, windows.size()> levels_;
 };
 

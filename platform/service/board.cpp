@@ -180,6 +180,7 @@ void Board::attach() {
   activity_.attach(soc());
   events_.read_verdicts_by([this] { return verdict(); });
   soc().clock.on_change([this] {
+    activity_.clock_changed();
     if (on_clock_change) on_clock_change();
   });
   for (std::size_t n = 0; n < uarts_.size(); ++n)

@@ -99,14 +99,17 @@ Answer RunSession::ask(const std::string& method, Json parameters) {
   return client().call(method, std::move(parameters));
 }
 
-std::vector<Answer> RunSession::ask_all(const Questions& questions) {
-  std::vector<uint64_t> numbers;
+std::vector<Answer> RunSession::ask_all(Questions questions) {
+  return take_all(send_all(std::move(questions)));
+}
+
+RunSession::Numbers RunSession::send_all(Questions questions) {
+  for (auto& [method, parameters] : questions) parameters["simulation"] = simulation_;
+  return client().send_all(std::move(questions));
+}
+
+std::vector<Answer> RunSession::take_all(const Numbers& numbers) {
   std::vector<Answer> answers;
-  for (const auto& [method, parameters] : questions) {
-    Json all = parameters;
-    all["simulation"] = simulation_;
-    numbers.push_back(client().send(method, std::move(all)));
-  }
   constexpr std::chrono::milliseconds a_while{1000};
   for (const uint64_t number : numbers) {
     std::optional<Answer> answer;
@@ -125,10 +128,17 @@ bool RunSession::is_read(const Stream& stream) const {
 }
 
 void RunSession::show() {
+  show(ask_all(stream_questions()));
+}
+
+RunSession::Questions RunSession::stream_questions() const {
   Questions questions;
   for (const Stream& stream : streams_)
     if (is_read(stream)) questions.emplace_back(stream.method, stream.parameters);
-  const std::vector<Answer> answers = ask_all(questions);
+  return questions;
+}
+
+void RunSession::show(const std::vector<Answer>& answers) {
   auto next = answers.begin();
   for (const Stream& stream : streams_) {
     if (!is_read(stream)) continue;
@@ -146,10 +156,13 @@ void RunSession::show() {
   }
 }
 
-void RunSession::read_keys() {
-  if (keyboard_ < 0) return;
+bool RunSession::has_keys() const {
   pollfd keys{STDIN_FILENO, POLLIN, 0};
-  if (poll(&keys, 1, 0) <= 0) return;
+  return keyboard_ >= 0 && poll(&keys, 1, 0) > 0;
+}
+
+void RunSession::read_keys() {
+  if (!has_keys()) return;
   char buffer[4096];
   const ssize_t count = read(STDIN_FILENO, buffer, sizeof buffer);
   if (count <= 0) {

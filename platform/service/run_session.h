@@ -38,18 +38,27 @@ class RunSession {
   /// Asks about the simulation, and waits for the answer.
   Answer ask(const std::string& method, Json parameters = Json::object());
   /// Sends all questions before it waits for the first answer.
-  using Questions = std::vector<std::pair<std::string, Json>>;
-  std::vector<Answer> ask_all(const Questions& questions);
+  using Questions = SessionClient::Requests;
+  using Numbers = std::vector<uint64_t>;
+  std::vector<Answer> ask_all(Questions questions);
+  /// The same in two steps.
+  Numbers send_all(Questions questions);
+  std::vector<Answer> take_all(const Numbers& numbers);
   /// Reads all UARTs from here on, also those that standard streams do not show.
   void hear(Heard heard);
   /// Writes what the program said to the standard streams.
   void show();
+  /// The same in two steps: its questions, and what to do with the answers, the first of these.
+  Questions stream_questions() const;
+  void show(const std::vector<Answer>& answers);
   /// Sends what was typed, if a UART reads standard input.
   void read_keys();
   bool reads_keys() const { return keyboard_ >= 0; }
   /// The program reads its console, which is standard input: sends what was typed, or that nothing
   /// will be. False: nothing was typed in that time.
   bool answer_console(std::chrono::milliseconds patience);
+  /// Something was typed that is to be sent.
+  bool has_keys() const;
   /// A sentence about an output that is not whole; the run is no pass.
   void lose(std::string sentence) { lost_.push_back(std::move(sentence)); }
   /// Writes the recording that the settings ask for, and ends the run. `before`: is done between

@@ -18,12 +18,32 @@ namespace capsoc::service {
 
 uint64_t SessionClient::send(const std::string& method, Json parameters, Frames frames) {
   const uint64_t number = next_++;
+  write(bytes_of(number, method, std::move(parameters), std::move(frames)));
+  return number;
+}
+
+std::vector<uint64_t> SessionClient::send_all(Requests requests) {
+  std::vector<uint64_t> numbers;
+  std::string bytes;
+  for (auto& [method, parameters] : requests) {
+    numbers.push_back(next_);
+    bytes += bytes_of(next_++, method, std::move(parameters), {});
+  }
+  write(bytes);
+  return numbers;
+}
+
+std::string SessionClient::bytes_of(uint64_t number, const std::string& method, Json parameters,
+                                    Frames frames) {
   Message message;
   message.body = {
       {"jsonrpc", "2.0"}, {"id", number}, {"method", method}, {"params", std::move(parameters)}};
   message.frames = std::move(frames);
-  if (!is_gone_ && !host::write_all(connection_.get(), to_bytes(message))) is_gone_ = true;
-  return number;
+  return to_bytes(message);
+}
+
+void SessionClient::write(const std::string& bytes) {
+  if (!is_gone_ && !host::write_all(connection_.get(), bytes)) is_gone_ = true;
 }
 
 void SessionClient::take(Message message) {

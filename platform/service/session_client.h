@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "base/result.h"
 #include "host/descriptor.h"
@@ -25,6 +26,9 @@ class SessionClient {
 
   /// Sends a request; its number.
   uint64_t send(const std::string& method, Json parameters, Frames frames = {});
+  /// Sends requests together; their numbers.
+  using Requests = std::vector<std::pair<std::string, Json>>;
+  std::vector<uint64_t> send_all(Requests requests);
   /// The answer to a request, if it comes within so long. A session that has gone answers with a
   /// refusal (Code::no_simulation).
   std::optional<Answer> wait(uint64_t number, std::chrono::milliseconds longest);
@@ -32,6 +36,9 @@ class SessionClient {
   Answer call(const std::string& method, Json parameters, Frames frames = {});
 
  private:
+  static std::string bytes_of(uint64_t number, const std::string& method, Json parameters,
+                              Frames frames);
+  void write(const std::string& bytes);
   bool receive(std::chrono::milliseconds longest);
   void take(Message message);
 

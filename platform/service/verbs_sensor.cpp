@@ -92,6 +92,13 @@ Result<Range> range_of(const Board& board, const Call& call) {
     if (step == 0) return Error{"samples.read: every is 0; 1 reads each sample"};
     range.step = static_cast<std::size_t>(std::min<uint64_t>(step, kept + 1));
   }
+  if (call.has("most")) {
+    const uint64_t most = call.integer("most");
+    if (most == 0 || call.has("every"))
+      return Error{"samples.read: most is 1 or more, and every is left out"};
+    range.step = static_cast<std::size_t>(
+        std::max<uint64_t>(1, (range.end - range.begin + most - 1) / most));
+  }
   return range;
 }
 
@@ -163,6 +170,7 @@ std::vector<BoardVerb> sensor_verbs() {
         {may("first", Type::integer, "number of the first one wanted, from 0 at the start"),
          may("last", Type::integer, "this many of the newest"),
          may("every", Type::integer, "of these only each N-th, from the first one on: 1"),
+         may("most", Type::integer, "instead: each N-th, with the least N that gives no more"),
          may("columns", Type::list,
              "as `capsoc run --record-columns` names them; else t, u, v, angle_deg, found_deg, "
              "error_deg")},

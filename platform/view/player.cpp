@@ -38,8 +38,11 @@ Player::Player(service::RunSession session, Hub& hub, double speed, const Story*
 Json Player::perform() {
   publish();
   while (host::noted_signal() == 0 && !is_ended_ && !is_gone_) {
-    for (const Command& command : hub_.take_commands()) obey(command);
-    session_.read_keys();
+    if (is_wanted()) settle();
+    if (!under_way_) {
+      for (const Command& command : hub_.take_commands()) obey(command);
+      session_.read_keys();
+    }
     if (status_.mode == "waiting" && hub_.viewers() > 0) {
       publish();  // the beginning
       stop("running", "");
@@ -52,6 +55,7 @@ Json Player::perform() {
     else
       stand();
   }
+  settle();
   if (!is_gone_) publish();
   Json finished = session_.finish();
   status_.mode = "ended";
@@ -61,6 +65,11 @@ Json Player::perform() {
 
 bool Player::is_interrupted() const {
   return hub_.has_commands() || host::noted_signal() != 0;
+}
+
+/// What an advance under way would hold up.
+bool Player::is_wanted() const {
+  return is_interrupted() || session_.has_keys();
 }
 
 /// A frame whose cost is a small share of it.
@@ -73,7 +82,6 @@ void Player::publish() {
   const auto begin = Clock::now();
   status_.story = story_.shown();
   scene_.publish(hub_, status_);
-  published_ = Clock::now();
   looked_for_ = since(begin) + milliseconds(1);
   has_news_ = false;
 }
@@ -120,11 +128,54 @@ void Player::play() {
 }
 
 void Player::play_at_once() {
+  if (!under_way_) begin_advance();
+  for (;;) {
+    if (const auto answer = session_.client().wait(*under_way_, look)) {
+      under_way_.reset();
+      if (conclude(*answer) || has_news_) publish();
+      return;
+    }
+    if (is_wanted()) {
+      settle();
+      return publish();
+    }
+    if (since(advanced_) >= slice()) return pass();
+  }
+}
+
+void Player::begin_advance() {
   const auto next_s = story_.next_s(scene_.time_s());
-  const bool runs =
-      next_s ? advance("simulation.advance", {{"until_s", *next_s}}, slice())
-             : advance("debugger.resume", {{"kind", "run"}, {"stopped", false}}, slice());
-  if (runs || has_news_) publish();
+  Json parameters = next_s ? Json{{"until_s", *next_s}} : Json{{"kind", "run"}, {"stopped", false}};
+  parameters["simulation"] = session_.simulation();
+  advanced_ = Clock::now();
+  under_way_ = session_.client().send(next_s ? "simulation.advance" : "debugger.resume",
+                                      std::move(parameters));
+}
+
+/// A frame of a run that continues: the next advance is under way while the frame is made.
+void Player::pass() {
+  const auto begin = Clock::now();
+  Scene::Questions questions = scene_.questions(status_);
+  questions.emplace(questions.begin(), "simulation.interrupt", Json::object());
+  const auto numbers = session_.send_all(std::move(questions));
+  const Answer stopped = session_.take_all({*std::exchange(under_way_, std::nullopt)}).front();
+  conclude(stopped);
+  // One that was not cut short has stopped for a reason.
+  const bool goes_on = stopped.ok() && stopped.result.at("reason") == Json("interrupted");
+  if (goes_on && !is_interrupted()) begin_advance();
+  Scene::Answers answers = session_.take_all(numbers);
+  looked_for_ = since(begin) + milliseconds(1);
+  answers.erase(answers.begin());
+  status_.story = story_.shown();
+  has_news_ = has_news_ && !goes_on;
+  scene_.publish(hub_, status_, answers);
+}
+
+/// The simulation stands afterwards, and can be asked.
+void Player::settle() {
+  if (!under_way_) return;
+  session_.ask("simulation.interrupt");
+  conclude(session_.take_all({*std::exchange(under_way_, std::nullopt)}).front());
 }
 
 void Player::play_paced() {

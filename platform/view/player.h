@@ -34,6 +34,9 @@ class Player {
   void play();
   void play_paced();
   void play_at_once();
+  void begin_advance();
+  void pass();
+  void settle();
   void stand();
   /// Advances, for at most one slice, or less if a command comes. False: it stands for good.
   bool advance(const std::string& method, Json parameters, std::chrono::milliseconds longest);
@@ -41,6 +44,7 @@ class Player {
   void stop(const char* mode, const std::string& reason);
   std::string step(Json parameters, const std::string& what);
   bool is_interrupted() const;
+  bool is_wanted() const;
   std::chrono::milliseconds slice() const;
   void begin_pace();
   void publish();
@@ -52,7 +56,8 @@ class Player {
   Status status_;
   StoryCourse story_;
   std::chrono::milliseconds looked_for_{0};  ///< what the last frame cost
-  Clock::time_point published_, pace_begin_;
+  std::optional<uint64_t> under_way_;        ///< an advance that was asked for, at full speed
+  Clock::time_point advanced_, pace_begin_;
   double pace_begin_s_ = 0;
   bool is_ended_ = false, is_gone_ = false, has_news_ = true, is_cut_ = false;
 };

@@ -12,6 +12,19 @@ namespace {
 constexpr std::chrono::milliseconds between_registers{250};  ///< while it runs
 constexpr std::size_t most_text = 32768;  ///< of a stream, for a page that is opened later
 
+/// In their order, after those about streams and before those about registers.
+enum Question : std::size_t {
+  of_state,
+  of_when,
+  of_signals,
+  of_status,
+  of_flags,
+  of_activity,
+  of_sensor,
+  of_samples,
+  question_count
+};
+
 std::string dumped(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
@@ -60,78 +73,89 @@ double Scene::frequency_hz() const {
   return known.is_number() ? known.get<double>() : 0;
 }
 
-void Scene::read_samples() {
-  const uint64_t count = state_.value("samples", uint64_t{0});
-  // After going back only the newest sample is there.
-  if (is_moved_) next_sample_ = count == 0 ? 0 : count - 1;
-  const uint64_t fresh = count - std::min(count, next_sample_);
-  const uint64_t every = std::max<uint64_t>(1, (fresh + Curves::most_new - 1) / Curves::most_new);
-  Json parameters = {{"first", next_sample_}, {"every", every}, {"columns", Curves::columns()}};
-  service::Answer answer = session_.ask("samples.read", parameters);
-  if (!answer.ok()) {
-    parameters.erase("first");
-    parameters["last"] = Curves::most_new;
-    parameters["every"] = 1;
-    answer = session_.ask("samples.read", parameters);
+/// After going back only the newest sample is there.
+Scene::Questions::value_type Scene::ask_samples() const {
+  Json parameters = {{"columns", Curves::columns()}};
+  if (is_moved_) {
+    parameters["last"] = 1;
+  } else {
+    parameters["first"] = next_sample_;
+    parameters["most"] = Curves::most_new;
   }
-  if (!answer.ok()) return;
-  curves_.add(answer);
-  next_sample_ = count;
+  return {"samples.read", std::move(parameters)};
 }
 
-void Scene::read_registers() {
-  registers_read_ = Clock::now();
-  std::vector<std::pair<std::string, Json>> questions;
-  const std::vector<std::string>& names = peripherals_[peripheral_];
-  questions.reserve(names.size());
-  for (const std::string& name : names)
-    questions.emplace_back("register.read", Json{{"name", peripheral_ + "." + name}});
-  const std::vector<service::Answer> answers = session_.ask_all(questions);
-  registers_ = Json::array();
-  for (std::size_t i = 0; i < names.size(); ++i)
-    if (answers[i].ok())
-      registers_.push_back({{"name", names[i]},
-                            {"value", answers[i].result.at("value")},
-                            {"fields", answers[i].result.value("fields", Json::object())}});
-}
-
-service::RunSession::Questions::value_type Scene::activity() const {
+Scene::Questions::value_type Scene::ask_activity() const {
   return {"processor.activity", {{"window_s", time_line_.window_s()}}};
 }
 
 std::string Scene::show_window(double seconds) {
   const double before = time_line_.window_s();
   time_line_.set_window(seconds);
-  const service::Answer answer = session_.ask_all({activity()}).front();
+  const service::Answer answer = session_.ask_all({ask_activity()}).front();
   if (!answer.ok()) time_line_.set_window(before);
   time_line_.take(answer);
   return answer.sentence;
 }
 
-void Scene::look(const Status& status) {
-  session_.show();
-  const auto answers = session_.ask_all({{"simulation.state", Json::object()},
-                                         {"history.when", Json::object()},
-                                         {"coprocessor.read", Json::object()},
-                                         {"register.read", {{"name", "COPROCESSOR.STATUS"}}},
-                                         {"register.read", {{"name", "COPROCESSOR.FLAGS"}}},
-                                         activity()});
-  if (!answers[0].ok()) return;
-  state_ = answers[0].result.at("state");
-  place_ = status.mode == "running" ? Json() : answers[0].result.value("place", Json());
-  if (answers[1].ok())
-    history_ = {{"beginning_s", answers[1].result["beginning"].value("time_s", 0.0)},
-                {"end_s", answers[1].result["end"].value("time_s", 0.0)},
-                {"inputs", answers[1].result.value("inputs", 0)}};
-  coprocessor_ = answers[2].ok() ? answers[2].result.at("signals") : Json();
-  status_register_ = result_of(answers[3]);
-  flags_register_ = result_of(answers[4]);
-  time_line_.take(answers[5]);
-  if (is_moved_) sensor_ = result_of(session_.ask("sensor.read"));
-  read_samples();
-  if (status.mode != "running" || Clock::now() - registers_read_ > between_registers)
-    read_registers();
+Scene::Questions Scene::questions(const Status& status) {
+  Questions all = session_.stream_questions();
+  stream_count_ = all.size();
+  // The order of Question.
+  all.emplace_back("simulation.state", Json::object());
+  all.emplace_back("history.when", Json::object());
+  all.emplace_back("coprocessor.read", Json::object());
+  all.emplace_back("register.read", Json{{"name", "COPROCESSOR.STATUS"}});
+  all.emplace_back("register.read", Json{{"name", "COPROCESSOR.FLAGS"}});
+  all.push_back(ask_activity());
+  all.emplace_back("sensor.read", Json::object());
+  all.push_back(ask_samples());
+  asks_registers_ = status.mode != "running" || Clock::now() - registers_read_ > between_registers;
+  if (!asks_registers_) return all;
+  for (const std::string& name : peripherals_[peripheral_])
+    all.emplace_back("register.read", Json{{"name", peripheral_ + "." + name}});
+  return all;
+}
+
+void Scene::take(const Status& status, const Answers& answers) {
+  session_.show(answers);
+  const auto of = [&](Question which) -> const service::Answer& {
+    return answers[stream_count_ + which];
+  };
+  if (!of(of_state).ok()) return;
+  state_ = of(of_state).result.at("state");
+  place_ = status.mode == "running" ? Json() : of(of_state).result.value("place", Json());
+  if (of(of_when).ok())
+    history_ = {{"beginning_s", of(of_when).result["beginning"].value("time_s", 0.0)},
+                {"end_s", of(of_when).result["end"].value("time_s", 0.0)},
+                {"inputs", of(of_when).result.value("inputs", 0)}};
+  coprocessor_ = of(of_signals).ok() ? of(of_signals).result.at("signals") : Json();
+  status_register_ = result_of(of(of_status));
+  flags_register_ = result_of(of(of_flags));
+  time_line_.take(of(of_activity));
+  sensor_ = result_of(of(of_sensor));
+  take_samples(of(of_samples));
+  if (asks_registers_) take_registers(answers, stream_count_ + question_count);
   is_moved_ = false;
+}
+
+/// Where the next one is no longer kept, the curves continue a frame later.
+void Scene::take_samples(const service::Answer& answer) {
+  next_sample_ = state_.value("samples", uint64_t{0});
+  if (answer.ok()) return curves_.add(answer);
+  next_sample_ -= std::min(next_sample_, Curves::most_new);
+}
+
+void Scene::take_registers(const Answers& answers, std::size_t first) {
+  registers_read_ = Clock::now();
+  registers_ = Json::array();
+  for (const std::string& name : peripherals_[peripheral_]) {
+    const service::Answer& answer = answers[first++];
+    if (answer.ok())
+      registers_.push_back({{"name", name},
+                            {"value", answer.result.at("value")},
+                            {"fields", answer.result.value("fields", Json::object())}});
+  }
 }
 
 Json Scene::update(const Status& status) {
@@ -161,7 +185,17 @@ void Scene::send(Hub& hub, const Status& status, const Json* finished) {
 }
 
 void Scene::publish(Hub& hub, const Status& status) {
-  look(status);
+  Answers answers = session_.ask_all(questions(status));
+  service::Answer& samples = answers[stream_count_ + of_samples];
+  // The next one is perhaps no longer kept.
+  if (!samples.ok())
+    samples =
+        session_.ask("samples.read", {{"last", Curves::most_new}, {"columns", Curves::columns()}});
+  publish(hub, status, answers);
+}
+
+void Scene::publish(Hub& hub, const Status& status, const Answers& answers) {
+  take(status, answers);
   send(hub, status, nullptr);
 }
 

@@ -31,6 +31,12 @@ class Scene {
 
   /// Publishes what is new. The simulation stands.
   void publish(Hub& hub, const Status& status);
+  /// The same in two steps, so that the simulation stands only for the answers: what to ask, and
+  /// what was answered, in this order. Nothing else is asked of the scene in between.
+  using Questions = service::RunSession::Questions;
+  using Answers = std::vector<service::Answer>;
+  Questions questions(const Status& status);
+  void publish(Hub& hub, const Status& status, const Answers& answers);
   /// The last frame, with the answer of simulation.finish; may be asked for without a simulation.
   void publish_end(Hub& hub, const Status& status, const Json& finished);
 
@@ -56,16 +62,18 @@ class Scene {
  private:
   using Clock = std::chrono::steady_clock;
 
-  void look(const Status& status);
-  service::RunSession::Questions::value_type activity() const;
-  void read_samples();
-  void read_registers();
+  Questions::value_type ask_activity() const;
+  Questions::value_type ask_samples() const;
+  void take(const Status& status, const Answers& answers);
+  void take_samples(const service::Answer& answer);
+  void take_registers(const Answers& answers, std::size_t first);
   Json update(const Status& status);
   void send(Hub& hub, const Status& status, const Json* finished);
 
   service::RunSession& session_;
   Curves curves_;
   TimeLine time_line_;
+  std::size_t stream_count_ = 0;  ///< answers of streams, which come first
   uint64_t next_sample_ = 0;
   Json state_ = Json::object(), sensor_, history_, coprocessor_, status_register_, flags_register_;
   Json place_, registers_ = Json::array();
@@ -73,7 +81,7 @@ class Scene {
   std::string peripheral_ = "COPROCESSOR";
   std::map<std::string, std::string> new_text_, all_text_;
   std::vector<std::string> said_;
-  bool is_moved_ = true;
+  bool is_moved_ = true, asks_registers_ = false;
   Clock::time_point registers_read_;
 };
 

@@ -97,6 +97,29 @@ class Activity(Driven):
         self.assertIn(("selfcal", False), kinds)
         self.assertIn(("bench_interrupts", False), kinds)
 
+    def test_another_clock(self):
+        """Handlers begin where the events say, at 25 MHz, at 50, and at 33.3, whose period is no number of ps."""
+        simulation = self.construct("selfcal")
+        self.session("events.subscribe", simulation=simulation, kinds=["exception"])
+        self.read(simulation, 0.1)
+        for multiplier, divider in ((1, 1), (2, 1), (4, 3), (1, 1)):
+            for name, value in (("CTRL", 0), ("PLL", multiplier | divider << 8), ("CTRL", 1)):
+                self.session("register.write", simulation=simulation, name=f"CLOCKCTRL.{name}", value=value)
+            self.advance(simulation, seconds=0.01)
+            self.session("register.write", simulation=simulation, name="CLOCKCTRL.CTRL", value=3)
+            hertz = self.session("register.read", simulation=simulation, name="CLOCKCTRL.FREQ")["value"]
+            self.assertEqual(hertz, 25_000_000 * multiplier // divider)
+            self.advance(simulation, seconds=0.3)
+            events = self.advance(simulation, seconds=0.1)["events"]
+            told = self.read(simulation, 0.1)
+            row = next(row for row in told["rows"] if row["name"] == "coprocessor")
+            entered = [event["time_s"] for event in events if event["name"].startswith("coprocessor")]
+            entered = [at for at in entered if at * 1e12 > told["begin_ps"]]
+            self.assertGreater(len(entered), 20)
+            self.assertEqual(len(row["slices"]), len(entered))
+            for at, (begin, _) in zip(entered, row["slices"]):
+                self.assertAlmostEqual(at, begin * 1e-12, delta=1e-6)
+
     def test_it_begins_with_the_question_and_ends(self):
         simulation = self.construct("selfcal")
         self.advance(simulation, seconds=0.5)

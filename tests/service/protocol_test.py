@@ -10,6 +10,7 @@ import os
 import random
 import re
 import shutil
+import struct
 import subprocess
 import tempfile
 import unittest
@@ -219,6 +220,23 @@ class Streams(Driven):
         stop = self.advance(simulation, samples=5)
         self.assertEqual([event["sample"] for event in stop["events"]], list(range(5)))
         self.assertEqual(stop["events"][-1]["time_s"], stop["state"]["time_s"])
+
+    def test_some_of_the_samples(self):
+        """At most N, as far apart as they have to be for that, and no farther."""
+        simulation = self.construct()
+        self.advance(simulation, samples=100)
+
+        def read(**which):
+            answer = self.session("samples.read", simulation=simulation, columns=["t"], **which)
+            return [struct.unpack(f"<{answer['count']}d", data) for data in self.session.data][0]
+
+        every = read()
+        for first, most, step in ((0, 1000, 1), (0, 100, 1), (0, 99, 2), (0, 50, 2), (60, 3, 14), (60, 1, 40)):
+            self.assertEqual(read(first=first, most=most), every[first::step])
+        self.assertEqual(read(first=100, most=1), ())
+        for wrong in ({"most": 0}, {"most": 5, "every": 1}):
+            with self.assertRaisesRegex(Refused, "most is 1 or more, and every is left out"):
+                read(**wrong)
 
     def test_the_verdict(self):
         """Once, with what the result has at the end, however the run is cut; after going back it comes again."""

@@ -193,6 +193,23 @@ class Told(ViewCase):
         self.assertEqual("".join(frame["text"].get("uart0", "") for frame in frames), out)
         self.assertEqual(out, self.run_plain("run")[0])
 
+    def test_a_frame_is_of_one_instant(self):
+        """Although the run continues while the frame is made, and what is asked for comes in between."""
+        view = self.view("--uart0", "null", "-P", "demodulation_samples=300000")
+        events = Events(view)
+        frames = [events.next()[1] for _ in range(8)]
+        view.tell("fault", fault="flip COPROCESSOR.STEP_AU[3]")
+        frames += events.until(lambda frame: frame["command"] == 1)
+        frames += events.until(lambda frame: frame["mode"] == "over")
+        self.assertGreater(sum(frame["mode"] == "running" for frame in frames), 5)
+        for frame in frames:
+            state, times = frame["state"], frame["samples"]["t"]
+            self.assertEqual(frame["activity"]["end_ps"], state["time_ps"])
+            self.assertAlmostEqual(frame["history"]["end_s"], state["time_s"], 9)
+            self.assertTrue(all(t <= state["time_s"] for t in times))
+        self.assertEqual((frames[-1]["history"]["inputs"], frames[-1]["said"]), (1, []))
+        view.end()
+
     def test_a_later_page_is_told_what_was_before(self):
         view = self.view("--uart0", "null")
         Events(view).until(lambda frame: frame["mode"] == "over")
