@@ -58,7 +58,7 @@ int replay_in_session(const ReplayArguments& arguments) {
       return refuse(error->text);
   if ((is_viewed ? settings.view.port : settings.gdb.port)() < 0)
     return refuse(fmt::format("{}: a port is 0 (a free one) to 65535", option));
-  auto finished = is_viewed ? view::run_in_view(settings, arguments.file)
+  auto finished = is_viewed ? view::replay_in_view(settings, arguments.file)
                             : service::run_in_session(settings, arguments.file);
   if (!finished) return refuse(finished.error(), code_of_refusal());
   return tell_end(finished.value());

@@ -142,7 +142,8 @@ std::optional<Error> write_results(nlohmann::ordered_json result,
 }
 
 /// With a page, a debugger that can go back, or a session that can be simulated again.
-int run_in_session(const run::RunSettings& settings, const view::Story* story) {
+int run_in_session(const run::RunSettings& settings, const view::Choices* choices,
+                   const view::Story* story) {
   const bool is_on_failure = settings.gdb.on_failure() >= 0;
   if (is_on_failure && (settings.gdb.port() >= 0 || settings.view.port() >= 0))
     return refuse(fmt::format("{} waits where the run fails: leave {} out",
@@ -154,7 +155,7 @@ int run_in_session(const run::RunSettings& settings, const view::Story* story) {
         fmt::format("{} is for a debugger: add --gdb", settings.gdb.history_mb.about().name()));
   const bool is_viewed = settings.view.port() >= 0;
   const auto finished =
-      is_viewed ? view::run_in_view(settings, "", story) : service::run_in_session(settings);
+      is_viewed ? view::run_in_view(settings, choices, story) : service::run_in_session(settings);
   if (!finished) return refuse(finished.error(), code_of_refusal());
   service::Json answer = finished.value();
   const int code = tell_end(answer);
@@ -204,9 +205,14 @@ int run_command(const RunArguments& arguments, run::RunSettings& settings) {
     return refuse(fmt::format("{} is the end of a recorded session; add {} FILE",
                               settings.results.keep_last_s.about().name(),
                               settings.results.session.about().command.name));
-  if (settings.view.port() >= 0 || settings.gdb.memory_mb() > 0 ||
-      !settings.results.session.empty())
-    return run_in_session(settings, story);
+  if (settings.view.port() >= 0) {
+    run::RunSettings plain;
+    if (auto error = collect(arguments, nullptr, plain)) return refuse(error->text);
+    const view::Choices choices(plain);
+    return run_in_session(settings, &choices, story);
+  }
+  if (settings.gdb.memory_mb() > 0 || !settings.results.session.empty())
+    return run_in_session(settings, nullptr, nullptr);
   auto result = run::run(settings);
   if (!result) return refuse(result.error(), code_of_refusal());
   const run::RunResult& r = result.value();

@@ -22,11 +22,30 @@ Json ended_badly(const Answer& refusal) {
   return {{"code", run::exit_code::internal}, {"lost", {refusal.sentence}}};
 }
 
+bool is_standard(const std::string& backend) {
+  return backend == "stderr" || backend == "stdout" || backend == "stdio";
+}
+
 }  // namespace
 
-RunSession::RunSession(ChildSession session, const run::RunSettings& settings)
-    : session_(std::move(session)) {
-  divide(settings);
+Json RunSession::settings_of(const run::RunSettings& settings) {
+  Json given = Json::object();
+  for (const Setting& setting : settings.all())
+    if (setting.source != SettingSource::built_in) given[setting.path] = setting.value;
+  for (const Setting& own :
+       {settings.gdb.port.about(), settings.gdb.halt.about(), settings.gdb.history_mb.about(),
+        settings.gdb.on_failure.about(), settings.results.json.about(),
+        settings.results.html.about(), settings.results.session.about(),
+        settings.results.keep_last_s.about(), settings.view.port.about()})
+    given.erase(own.path);
+  // A page paces the run itself.
+  if (settings.view.port() >= 0) given.erase(settings.limits.realtime.about().path);
+  if (settings.gdb.memory_mb() > 0)
+    given["history_mb"] = static_cast<uint64_t>(settings.gdb.memory_mb());
+  if (settings.results.wants_curves()) given[settings.results.curves.about().path] = "true";
+  for (const run::UartSettings::Line& line : settings.uarts.lines)
+    if (is_standard(line.backend())) given[line.backend.about().path] = "null";
+  return given;
 }
 
 /// What the session is given of the settings, and what is left for the terminal.
@@ -34,19 +53,7 @@ void RunSession::divide(const run::RunSettings& settings) {
   using Place = Stream::Place;
   session_file_ = settings.results.session();
   keep_last_s_ = settings.results.keep_last_s();
-  for (const Setting& setting : settings.all())
-    if (setting.source != SettingSource::built_in) settings_[setting.path] = setting.value;
-  for (const Setting& own :
-       {settings.gdb.port.about(), settings.gdb.halt.about(), settings.gdb.history_mb.about(),
-        settings.gdb.on_failure.about(), settings.results.json.about(),
-        settings.results.html.about(), settings.results.session.about(),
-        settings.results.keep_last_s.about(), settings.view.port.about()})
-    settings_.erase(own.path);
-  // A page paces the run itself.
-  if (settings.view.port() >= 0) settings_.erase(settings.limits.realtime.about().path);
-  if (settings.gdb.memory_mb() > 0)
-    settings_["history_mb"] = static_cast<uint64_t>(settings.gdb.memory_mb());
-  if (settings.results.wants_curves()) settings_[settings.results.curves.about().path] = "true";
+  settings_ = settings_of(settings);
   const auto place_of = [](const std::string& backend) {
     if (backend == "stderr") return Place::error;
     return backend == "stdout" || backend == "stdio" ? Place::output : Place::nowhere;
@@ -56,8 +63,6 @@ void RunSession::divide(const run::RunSettings& settings) {
     const Place place = place_of(backend());
     streams_.push_back(
         {fmt::format("uart{}", n), "uart.read", {{"uart", n}, {"raw", true}}, place});
-    if (place == Place::nowhere) continue;
-    settings_[backend.about().path] = "null";
     if (backend() == "stdio") keyboard_ = static_cast<int>(n);
   }
   streams_.push_back({"itm", "itm.read", {{"raw", true}}, place_of(settings.itm.backend())});
@@ -65,6 +70,11 @@ void RunSession::divide(const run::RunSettings& settings) {
                       "semihosting.read",
                       {{"raw", true}},
                       place_of(settings.semihosting.console())});
+}
+
+RunSession::RunSession(ChildSession session, const run::RunSettings& settings)
+    : session_(std::move(session)) {
+  divide(settings);
 }
 
 Result<RunSession> RunSession::start(const run::RunSettings& settings, const std::string& asked_by,
@@ -87,10 +97,31 @@ std::optional<Error> RunSession::construct(const std::string& asked_by,
   }
   if (!constructed.ok()) return Error{constructed.sentence};
   simulation_ = constructed.result.at("simulation").get<uint64_t>();
+  if (const std::string why = why_no_history(); !why.empty())
+    return Error{fmt::format("{}: there is no history: {}", asked_by, why)};
+  return std::nullopt;
+}
+
+/// "": there is one.
+std::string RunSession::why_no_history() {
   const Answer history = ask("history.when");
-  if (history.ok() && !history.result.at("kept").get<bool>())
-    return Error{fmt::format("{}: there is no history: {}", asked_by,
-                             history.result.at("why").get<std::string>())};
+  return history.ok() ? history.result.value("why", "") : "";
+}
+
+std::optional<Error> RunSession::renew(const Json& settings) {
+  const Answer constructed = client().call("simulation.construct", {{"settings", settings}});
+  if (!constructed.ok()) return Error{constructed.sentence};
+  show();
+  const uint64_t old =
+      std::exchange(simulation_, constructed.result.at("simulation").get<uint64_t>());
+  const std::string why = why_no_history();
+  client().call("simulation.close", {{"simulation", why.empty() ? old : simulation_}});
+  if (!why.empty()) {
+    simulation_ = old;
+    return Error{"there is no history: " + why};
+  }
+  lost_.clear();
+  bytes_lost_ = 0;
   return std::nullopt;
 }
 

@@ -30,6 +30,12 @@ class RunSession {
   static Result<RunSession> start(const run::RunSettings& settings, const std::string& asked_by,
                                   const std::string& recorded = "");
 
+  /// Of a run's settings what the session is given.
+  static Json settings_of(const run::RunSettings& settings);
+  /// Constructs another simulation, with what settings_of() answers, in the place of this one,
+  /// which ends. An Error as start() has it: then this one stays.
+  std::optional<Error> renew(const Json& settings);
+
   SessionClient& client() { return session_.client(); }
   uint64_t simulation() const { return simulation_; }
   /// The simulation's process ended before the simulation was constructed, for any reason.
@@ -76,6 +82,7 @@ class RunSession {
 
   RunSession(ChildSession session, const run::RunSettings& settings);
   std::optional<Error> construct(const std::string& asked_by, const std::string& recorded);
+  std::string why_no_history();
   void divide(const run::RunSettings& settings);
   bool is_read(const Stream& stream) const;
   void record();

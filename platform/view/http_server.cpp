@@ -290,7 +290,7 @@ void HttpServer::Loop::news() {
     // Sending may close a connection, which takes its stream from the list.
     for (auto next = streams_.begin(); next != streams_.end();) {
       Stream& stream = *next++;
-      stream.lacks_frames = stream.lacks_frames || is_gap;
+      stream.lacks_frames = stream.lacks_frames || is_gap || frame.begins;
       send(stream, frame);
     }
   }

@@ -4,12 +4,12 @@
 
 namespace capsoc::view {
 
-void Hub::publish(Text update, Text full) {
+void Hub::publish(Text update, Text full, bool begins) {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (full != nullptr) wants_full_ = false;
     if (frames_.size() == most_frames) frames_.pop_front();
-    frames_.push_back({next_frame_++, std::move(update), std::move(full)});
+    frames_.push_back({next_frame_++, std::move(update), std::move(full), begins});
   }
   if (wake_) wake_();
 }

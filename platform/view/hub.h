@@ -26,6 +26,7 @@ struct Frame {
   uint64_t number = 0;  ///< rises by 1; a gap: frames were dropped before a server took them
   Text update;          ///< what is new since the frame before
   Text full;            ///< everything, for a page that lacks earlier frames; null: not asked for
+  bool begins = false;  ///< another run: what pages have is of the one before
 };
 
 /// A request of a page, {"do": "pause", ...}.
@@ -41,7 +42,7 @@ class Hub {
   // The run's side.
 
   /// Never waits. `full`: null unless wants_full().
-  void publish(Text update, Text full);
+  void publish(Text update, Text full, bool begins = false);
   bool wants_full() const { return wants_full_; }
   std::size_t viewers() const { return viewers_; }
   std::vector<Command> take_commands();

@@ -381,9 +381,25 @@ function write_story() {
   $("next").disabled = !stands;
 }
 
+/// A select has the run that is shown, until another one is chosen.
+let shown_run = "";
+function write_choices() {
+  const {choices, run} = seen, fill = (id, pairs) => $(id).replaceChildren(...pairs.map(([value, text]) => new Option(text, value)));
+  $("another").hidden = !choices;
+  $("new").querySelector("button").disabled = seen.mode === "ended";
+  const now = JSON.stringify([choices, run]);
+  if (!choices || now === shown_run) return;
+  shown_run = now;
+  fill("new-story", [["", "none"], ...choices.stories.map(({name, title}) => [name, title])]);
+  fill("new-program", choices.programs.map((name) => [name, name]));
+  fill("new-arithmetic", [["", "as the story or the command line says"], ...choices.arithmetics.map((name) => [name, name])]);
+  for (const name of ["story", "program", "arithmetic"]) $("new-" + name).value = run[name];
+  set("now", ["story", "program", "arithmetic"].map((name) => `${name}: ${$("new-" + name).selectedOptions[0].text}`).join("; "));
+}
+
 function draw() {
   dirty = false;
-  write_story();
+  write_story(); write_choices();
   write_texts(); write_verdict(); draw_signals(); draw_curves(); draw_activity();
   document.documentElement.dataset.mode = seen.mode || "";
   document.documentElement.dataset.command = seen.command || 0;
@@ -403,6 +419,10 @@ $("reset").onclick = () => tell("reset");
 $("speed").onchange = () => tell("speed", {factor: Number($("speed").value)});
 $("past").onchange = () => tell("goto", {time_s: Number($("past").value)});
 $("window").onchange = () => tell("activity", {window_s: Number($("window").value)});
+$("new").onsubmit = (event) => {
+  event.preventDefault();
+  tell("new", {story: $("new-story").value, program: $("new-program").value, arithmetic: $("new-arithmetic").value});
+};
 $("activity").onpointermove = $("activity").onpointerdown = point_at;
 $("activity").onkeydown = move_spot;
 $("activity").onpointerleave = $("activity").onblur = () => { spot = null; draw_soon(); };

@@ -29,10 +29,14 @@ milliseconds since(std::chrono::steady_clock::time_point begin) {
 
 }  // namespace
 
-Player::Player(service::RunSession session, Hub& hub, double speed, const Story* story)
-    : session_(std::move(session)), hub_(hub), scene_(session_), story_(story) {
+Player::Player(service::RunSession session, Hub& hub, double speed, const Choices* choices,
+               const Story* story)
+    : session_(std::move(session)), hub_(hub), scene_(session_), choices_(choices), story_(story) {
   status_.mode = "waiting";
   status_.speed = speed;
+  if (choices == nullptr) return;
+  status_.run = choices->first(story).shown;
+  status_.choices = choices->shown();
 }
 
 Json Player::perform() {
@@ -271,6 +275,22 @@ std::string Player::set_window(const Json& body) {
   return answer.sentence;
 }
 
+/// Another run takes the place of this one, which continues if that is refused.
+std::string Player::begin_new(const Json& body) {
+  if (choices_ == nullptr)
+    return "new: the run of a recording is shown; start capsoc view for another one";
+  const auto chosen = choices_->choose(body);
+  if (!chosen) return chosen.error();
+  if (auto error = session_.renew(chosen.value().settings)) return "new: " + error->text;
+  story_ = StoryCourse(chosen.value().story);
+  if (chosen.value().story != nullptr) status_.speed = chosen.value().story->speed;
+  status_.run = chosen.value().shown;
+  status_.host_s = 0;
+  scene_.begin_anew();
+  stop("waiting", "");
+  return "";
+}
+
 /// Null text: done. A sentence: refused.
 std::string Player::obey_transport(const std::string& what, const Json& body) {
   if (what == "goto") return obey_goto(body);
@@ -300,6 +320,8 @@ void Player::obey(const Command& command) {
   if (what == "end") {
     is_ended_ = true;
     refusal = "";
+  } else if (what == "new") {
+    refusal = begin_new(command.body);
   } else if (what == "registers") {
     const Json name = command.body.value("peripheral", Json());
     refusal = name.is_string() && scene_.show_registers(name) ? "" : "there is no such peripheral";

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "service/run_session.h"
+#include "view/choices.h"
 #include "view/hub.h"
 #include "view/scene.h"
 #include "view/story.h"
@@ -15,8 +16,10 @@ namespace capsoc::view {
 
 class Player {
  public:
-  /// `speed`: as Status::speed. The run begins when a page is open. `story`: null for none.
-  Player(service::RunSession session, Hub& hub, double speed, const Story* story);
+  /// `speed`: as Status::speed. The run begins when a page is open. `choices`: for further runs;
+  /// null: there is none. `story`: null for none.
+  Player(service::RunSession session, Hub& hub, double speed, const Choices* choices,
+         const Story* story);
   Player(const Player&) = delete;
   Player& operator=(const Player&) = delete;
 
@@ -29,6 +32,7 @@ class Player {
   void obey(const Command& command);
   std::string obey_transport(const std::string& what, const Json& body);
   std::string obey_goto(const Json& body);
+  std::string begin_new(const Json& body);
   std::string set_speed(const Json& body);
   std::string set_window(const Json& body);
   void play();
@@ -54,6 +58,7 @@ class Player {
   Hub& hub_;
   Scene scene_;
   Status status_;
+  const Choices* choices_;
   StoryCourse story_;
   std::chrono::milliseconds looked_for_{0};  ///< what the last frame cost
   std::optional<uint64_t> under_way_;        ///< an advance that was asked for, at full speed

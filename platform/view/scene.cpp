@@ -48,11 +48,28 @@ Scene::Scene(service::RunSession& session) : session_(session) {
     std::string& all = all_text_[stream] += bytes;
     if (all.size() > most_text) all.erase(0, all.size() - most_text);
   });
+  list_registers();
+}
+
+void Scene::list_registers() {
+  peripherals_.clear();
   const service::Answer list = session_.ask("register.list");
   if (!list.ok()) return;
   for (const Json& peripheral : list.result.at("peripherals"))
     for (const Json& each : peripheral.at("registers"))
       peripherals_[peripheral.at("name")].push_back(each.at("name"));
+}
+
+void Scene::begin_anew() {
+  curves_ = Curves();
+  next_sample_ = 0;
+  new_text_.clear();
+  all_text_.clear();
+  said_.clear();
+  list_registers();
+  if (peripherals_.count(peripheral_) == 0) peripheral_ = "COPROCESSOR";
+  moved();
+  begins_ = true;
 }
 
 void Scene::moved() {
@@ -165,7 +182,8 @@ Json Scene::update(const Status& status) {
       {"history", history_},        {"sensor", sensor_},        {"coprocessor", coprocessor_},
       {"status", status_register_}, {"flags", flags_register_}, {"place", place_},
       {"peripheral", peripheral_},  {"registers", registers_},  {"said", said_},
-      {"text", new_text_},          {"story", status.story},    {"activity", time_line_.shown()}};
+      {"text", new_text_},          {"story", status.story},    {"activity", time_line_.shown()},
+      {"run", status.run}};
   return object;
 }
 
@@ -173,13 +191,14 @@ void Scene::send(Hub& hub, const Status& status, const Json* finished) {
   Json object = update(status);
   if (finished != nullptr) object["finished"] = *finished;
   Text full, fresh = with_samples(object, curves_.newest());
-  if (finished != nullptr || hub.wants_full()) {
+  if (finished != nullptr || begins_ || hub.wants_full()) {
     object["text"] = all_text_;
+    object["choices"] = status.choices;
     Json& names = object["peripherals"] = Json::array();
     for (const auto& each : peripherals_) names.push_back(each.first);
     full = with_samples(object, curves_.all());
   }
-  hub.publish(std::move(fresh), std::move(full));
+  hub.publish(std::move(fresh), std::move(full), std::exchange(begins_, false));
   said_.clear();
   new_text_.clear();
 }

@@ -22,12 +22,16 @@ struct Status {
   uint64_t command = 0;  ///< the last one that was carried out
   double host_s = 0;     ///< that it has been played for, frames included
   Json story;            ///< StoryCourse::shown()
+  Json run;              ///< Choices::Chosen::shown; null: there is no choice
+  Json choices;          ///< Choices::shown(), which pages get once
 };
 
 /// Collects a frame from the session's answers. Asks only what has no side effect on the run.
 class Scene {
  public:
   explicit Scene(service::RunSession& session);
+  /// Of another simulation of the session. What pages have is not of this one.
+  void begin_anew();
 
   /// Publishes what is new. The simulation stands.
   void publish(Hub& hub, const Status& status);
@@ -77,11 +81,12 @@ class Scene {
   uint64_t next_sample_ = 0;
   Json state_ = Json::object(), sensor_, history_, coprocessor_, status_register_, flags_register_;
   Json place_, registers_ = Json::array();
+  void list_registers();
   std::map<std::string, std::vector<std::string>> peripherals_;
   std::string peripheral_ = "COPROCESSOR";
   std::map<std::string, std::string> new_text_, all_text_;
   std::vector<std::string> said_;
-  bool is_moved_ = true, asks_registers_ = false;
+  bool is_moved_ = true, asks_registers_ = false, begins_ = false;
   Clock::time_point registers_read_;
 };
 

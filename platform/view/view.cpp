@@ -13,8 +13,10 @@
 
 namespace capsoc::view {
 
-Result<service::Json> run_in_view(const run::RunSettings& settings, const std::string& recorded,
-                                  const Story* story) {
+namespace {
+
+Result<service::Json> show(const run::RunSettings& settings, const std::string& recorded,
+                           const Choices* choices, const Story* story) {
   const std::string option = settings.view.port.about().name();
   if (settings.gdb.port() >= 0)
     return Error{option + ": a debugger cannot steer the same run; leave out --gdb"};
@@ -31,7 +33,20 @@ Result<service::Json> run_in_view(const run::RunSettings& settings, const std::s
   auto server = HttpServer::start(static_cast<uint16_t>(settings.view.port()), hub);
   if (!server) return Error{server.error()};
   host::say("view: {}\n", server.value()->url());
-  return Player(std::move(session.value()), hub, settings.limits.realtime(), story).perform();
+  return Player(std::move(session.value()), hub, settings.limits.realtime(), choices, story)
+      .perform();
+}
+
+}  // namespace
+
+Result<service::Json> run_in_view(const run::RunSettings& settings, const Choices* choices,
+                                  const Story* story) {
+  return show(settings, "", choices, story);
+}
+
+Result<service::Json> replay_in_view(const run::RunSettings& settings,
+                                     const std::string& recorded) {
+  return show(settings, recorded, nullptr, nullptr);
 }
 
 }  // namespace capsoc::view

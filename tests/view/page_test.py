@@ -5,23 +5,11 @@ import re
 import time
 import unittest
 
-from capsoc_tools import browser
 from harness import FIRMWARE
 from processor_times import processor_times
-from view_case import Events, ViewCase
+from view_case import Browsed, Events
 
 CTEST = {"name": "view: page", "timeout": 300}
-
-#: How many pixels of a canvas are drawn on.
-PAINTED = """
-const canvas = document.getElementById(arguments[0]), copy = new OffscreenCanvas(canvas.width, canvas.height);
-const pen = copy.getContext('2d', {willReadFrequently: true});
-pen.drawImage(canvas, 0, 0);
-const pixels = pen.getImageData(0, 0, canvas.width, canvas.height).data;
-let count = 0;
-for (let i = 3; i < pixels.length; i += 4) count += pixels[i] > 0;
-return count;
-"""
 
 
 def told(name, begin, end, now):
@@ -34,39 +22,8 @@ def told(name, begin, end, now):
     return f"{name}: from {begin / 1e12:.9f} s, {until}{float(f'{length / size:.6g}'):g} {unit} long"
 
 
-class Page(ViewCase):
+class Page(Browsed):
     """One browser a test."""
-
-    def setUp(self):
-        super().setUp()
-        if reason := browser.missing():
-            self.fail(reason)
-        self.browser = browser.Browser()
-        self.addCleanup(self.browser.close)
-
-    def open(self, view):
-        self.browser.do("POST", "/url", {"url": view.url})
-        self.browser.wait("return document.documentElement.dataset.mode", "a frame is there")
-
-    def mode(self, mode):
-        self.browser.wait(f"return document.documentElement.dataset.mode === '{mode}'", f"the run is {mode}")
-
-    def text(self, name):
-        return self.browser.run("return document.getElementById(arguments[0]).textContent", name)
-
-    def painted(self, name):
-        return self.browser.run(PAINTED, name)
-
-    def press(self, name, *keys):
-        """Keys on an element that has the focus."""
-        self.browser.run("document.getElementById(arguments[0]).focus()", name)
-        self.browser.press(*keys)
-
-    def check_clean(self, view):
-        """Nothing complained, and nothing else was asked for."""
-        self.assertEqual(self.browser.console(), [])
-        for address in self.browser.requests():
-            self.assertTrue(address.startswith(f"http://127.0.0.1:{view.port}/"), address)
 
     def test_nothing_is_undefined_and_there_is_help(self):
         view = self.view()

@@ -1,4 +1,4 @@
-"""A run with --view in a test's hands, over plain sockets."""
+"""A run with --view in a test's hands, over plain sockets or in a browser."""
 
 import http.client
 import json
@@ -8,10 +8,22 @@ import subprocess
 import time
 from urllib.parse import parse_qs, urlsplit
 
+from capsoc_tools import browser
 from harness import CAPSOC, CLEAN, Case
 
 #: A main job that is over soon.
 SHORT = ("-P", "demodulation_samples=2000", "-P", "calibration_samples=200")
+
+#: How many pixels of a canvas are drawn on.
+PAINTED = """
+const canvas = document.getElementById(arguments[0]), copy = new OffscreenCanvas(canvas.width, canvas.height);
+const pen = copy.getContext('2d', {willReadFrequently: true});
+pen.drawImage(canvas, 0, 0);
+const pixels = pen.getImageData(0, 0, canvas.width, canvas.height).data;
+let count = 0;
+for (let i = 3; i < pixels.length; i += 4) count += pixels[i] > 0;
+return count;
+"""
 
 
 class Events:
@@ -120,3 +132,38 @@ class ViewCase(Case):
         )
         self.assertEqual(done.returncode, code, done.stderr)
         return done.stdout, done.stderr
+
+
+class Browsed(ViewCase):
+    """A test of a page in one browser."""
+
+    def setUp(self):
+        super().setUp()
+        if reason := browser.missing():
+            self.fail(reason)
+        self.browser = browser.Browser()
+        self.addCleanup(self.browser.close)
+
+    def open(self, view):
+        self.browser.do("POST", "/url", {"url": view.url})
+        self.browser.wait("return document.documentElement.dataset.mode", "a frame is there")
+
+    def mode(self, mode):
+        self.browser.wait(f"return document.documentElement.dataset.mode === '{mode}'", f"the run is {mode}")
+
+    def text(self, name):
+        return self.browser.run("return document.getElementById(arguments[0]).textContent", name)
+
+    def painted(self, name):
+        return self.browser.run(PAINTED, name)
+
+    def press(self, name, *keys):
+        """Keys on an element that has the focus."""
+        self.browser.run("document.getElementById(arguments[0]).focus()", name)
+        self.browser.press(*keys)
+
+    def check_clean(self, view):
+        """Nothing complained, and nothing else was asked for."""
+        self.assertEqual(self.browser.console(), [])
+        for address in self.browser.requests():
+            self.assertTrue(address.startswith(f"http://127.0.0.1:{view.port}/"), address)
