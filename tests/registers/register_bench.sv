@@ -59,7 +59,8 @@ module register_bench #(
 
   // The test has the words of a bundle one by one.
   assign sample_ready_o = adc_enable & place_free;
-  assign {boundary_o, enter_o, cycle_o, stage_o, load_o, load_start_o} = tick;
+  assign {boundary_o, enter_o, cycle_o} = {tick.boundary, tick.enter, tick.cycle};
+  assign {stage_o, load_o, load_start_o} = {tick.stage, tick.load, tick.load_start};
   assign {held_u_o, held_v_o, held_clip_o} = held;
   assign control_o = {adc_enable, settings.source, settings.calib, settings.demod};
   capsoc_coprocessor_settings_t registers;
