@@ -31,18 +31,6 @@ void ActivityRecord::see(uint64_t parts) {
   });
 }
 
-/// Bits of the parts that begin with a change.
-uint64_t ActivityRecord::begun(const Change& change, uint64_t before) {
-  return (change.parts & ~before) | (change.entered == 0 ? 0 : bit(change.entered));
-}
-
-ActivityRecord::Stretch ActivityRecord::stretch(std::size_t index, uint64_t before,
-                                                uint64_t now) const {
-  const Change& change = changes_[index];
-  const uint64_t end = index + 1 < changes_.size() ? changes_[index + 1].ps : now;
-  return {change.ps, std::max(end, change.ps), change.parts, begun(change, before)};
-}
-
 /// The older half becomes shares. Windows that the newer half covers need none. A bin of one window
 /// has whole bins of the shorter ones, so the changes are added up once.
 void ActivityRecord::drop_half() {
@@ -61,10 +49,14 @@ void ActivityRecord::drop_half() {
     if (level.runs.empty()) level.begin_ps = changes_.front().ps;
     for (const Run& run : runs) add(level, run, width / finest);
   }
-  for (std::size_t k = 0; k < half; ++k) {
-    for_bits(begun(changes_[k], before_), [&](unsigned part) { since_[part] = changes_[k].ps; });
-    before_ = changes_[k].parts;
+  // The newest beginning of each part.
+  uint64_t sought = seen_;
+  for (std::size_t k = half; k-- > 0 && sought != 0;) {
+    const uint64_t found = sought & begun(changes_[k], before(k));
+    for_bits(found, [&](unsigned part) { since_[part] = changes_[k].ps; });
+    sought &= ~found;
   }
+  before_ = changes_[half - 1].parts;
   changes_.erase(changes_.begin(), changes_.begin() + half);
 }
 

@@ -92,8 +92,15 @@ class ActivityRecord {
     void put(const Stretch& stretch, uint64_t ps, uint64_t begun);
   };
 
-  static uint64_t begun(const Change& change, uint64_t before);
-  Stretch stretch(std::size_t index, uint64_t before, uint64_t now) const;
+  /// Bits of the parts that begin with a change.
+  static uint64_t begun(const Change& change, uint64_t before) {
+    return (change.parts & ~before) | (change.entered == 0 ? 0 : bit(change.entered));
+  }
+  Stretch stretch(std::size_t index, uint64_t before, uint64_t now) const {
+    const Change& change = changes_[index];
+    const uint64_t end = index + 1 < changes_.size() ? changes_[index + 1].ps : now;
+    return {change.ps, end > change.ps ? end : change.ps, change.parts, begun(change, before)};
+  }
   void see(uint64_t parts);
   void drop_half();
   std::vector<Run> runs_of(std::size_t count, uint64_t width) const;

@@ -1,7 +1,8 @@
 """What the live page costs: a long main job by itself, in a session, and with a page that reads every frame.
 
 The three alternate in one run. The time is that of the simulation from its first to its last instant. With the page it
-includes everything between the simulation's slices. Then follows what a paced run costs in addition to the simulation.
+includes everything between the simulation's slices. The processor time is that of the simulation's process, which other
+work on the machine changes less. Then follows what a paced run costs in addition to the simulation.
 
     scripts/tool bench_view [--repeat N] [--samples N] [--capsoc FILE]
 """
@@ -11,6 +12,7 @@ import http.client
 import json
 import os
 import re
+import resource
 import statistics
 import subprocess
 import tempfile
@@ -52,25 +54,40 @@ class Page:
 
 
 def time_without_page(capsoc, folder, *options):
-    """Seconds of the host that a run takes beyond one that ends at once: without its construction."""
+    """Seconds of the host, and of its processors, that a run takes beyond one that ends at once."""
     result = Path(folder) / "r.json"
     taken = []
     for limit in ([], ["--simlimit", "1e-6"]):
         command = [capsoc, "run", "--uart0", "null", "--json", result, *limit, *options]
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
         subprocess.run(command, stderr=subprocess.DEVNULL, check=not limit)
-        taken.append(json.loads(result.read_text(encoding="utf-8"))["time"]["wall_s"])
-    return taken[0] - taken[1]
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        used = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+        taken.append((json.loads(result.read_text(encoding="utf-8"))["time"]["wall_s"], used))
+    return tuple(of_run - of_none for of_run, of_none in zip(*taken))
+
+
+def simulation_of(page):
+    """The process below that of the session."""
+    process = page.process.pid
+    for _ in range(2):
+        process = Path(f"/proc/{process}/task/{process}/children").read_text(encoding="ascii").split()[0]
+    return process
 
 
 def time_with_page(capsoc, *options):
-    """Seconds of the host that the last frame tells, and how many frames there were."""
+    """((seconds of the host that the last frame tells, of the simulation's processor), frames)"""
     page, count = Page(capsoc, *options), 0
     for frame in page.frames():
+        if count == 0:
+            process = simulation_of(page)
+            begin = processor_time(process)
         count += 1
         if frame["mode"] == "over":
             break
+    used = processor_time(process) - begin
     page.close()
-    return frame["host_s"], count
+    return (frame["host_s"], used), count
 
 
 def processor_time(process):
@@ -108,13 +125,14 @@ def main():
             times["in a session"].append(time_without_page(chosen.capsoc, folder, *job, *session))
             taken, frames = time_with_page(chosen.capsoc, *job)
             times["with a page"].append(taken)
-    print(f"{'main job':14} {'least':>8} {'median':>8}   speed of the run by itself (least, median)")
-    alone = times["by itself"]
-    for name, taken in times.items():
-        least, median = min(taken), statistics.median(taken)
-        print(
-            f"{name:14} {least:7.3f}s {median:7.3f}s   {min(alone) / least:.0%} {statistics.median(alone) / median:.0%}"
-        )
+    for place, what in enumerate(("main job", "processor time")):
+        print(f"{what:14} {'least':>8} {'median':>8}   speed of the run by itself (least, median)")
+        alone = [each[place] for each in times["by itself"]]
+        for name, pairs in times.items():
+            taken = [each[place] for each in pairs]
+            least, median = min(taken), statistics.median(taken)
+            speeds = f"{min(alone) / least:.0%} {statistics.median(alone) / median:.0%}"
+            print(f"{name:14} {least:7.3f}s {median:7.3f}s   {speeds}")
     print(f"frames of the last run with a page: {frames}")
     updates, share = paced(chosen.capsoc)
     print(f"at the shaft's own speed: {updates:.0f} updates a second, {share:.1%} of a core for the page's side")
