@@ -22,12 +22,12 @@ uint64_t SessionClient::send(const std::string& method, Json parameters, Frames 
   return number;
 }
 
-std::vector<uint64_t> SessionClient::send_all(Requests requests) {
+std::vector<uint64_t> SessionClient::send_all(const Requests& requests) {
   std::vector<uint64_t> numbers;
   std::string bytes;
-  for (auto& [method, parameters] : requests) {
+  for (const auto& [method, parameters] : requests) {
     numbers.push_back(next_);
-    bytes += bytes_of(next_++, method, std::move(parameters), {});
+    bytes += bytes_of(next_++, method, parameters, {});
   }
   write(bytes);
   return numbers;

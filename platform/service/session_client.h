@@ -28,7 +28,7 @@ class SessionClient {
   uint64_t send(const std::string& method, Json parameters, Frames frames = {});
   /// Sends requests together; their numbers.
   using Requests = std::vector<std::pair<std::string, Json>>;
-  std::vector<uint64_t> send_all(Requests requests);
+  std::vector<uint64_t> send_all(const Requests& requests);
   /// The answer to a request, if it comes within so long. A session that has gone answers with a
   /// refusal (Code::no_simulation).
   std::optional<Answer> wait(uint64_t number, std::chrono::milliseconds longest);
