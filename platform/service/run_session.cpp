@@ -136,7 +136,7 @@ std::vector<Answer> RunSession::ask_all(Questions questions) {
 
 RunSession::Numbers RunSession::send_all(Questions questions) {
   for (auto& [method, parameters] : questions) parameters["simulation"] = simulation_;
-  return client().send_all(std::move(questions));
+  return client().send_all(questions);
 }
 
 std::vector<Answer> RunSession::take_all(const Numbers& numbers) {
