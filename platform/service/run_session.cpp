@@ -135,7 +135,7 @@ std::vector<Answer> RunSession::ask_all(Questions questions) {
 }
 
 RunSession::Numbers RunSession::send_all(Questions questions) {
-  for (auto& [method, parameters] : questions) parameters["simulation"] = simulation_;
+  for (auto& question : questions) question.second["simulation"] = simulation_;
   return client().send_all(questions);
 }
 
