@@ -185,7 +185,10 @@ def describe(line):
     return f"{parts.get('mode')} of {parts.get('port')}[{parts.get('portbit')}] at {where}"
 
 
-def runner(arguments):
+def runner(arguments, folder):
+    """Built from the sources as they are: an older one would judge by another stimulus."""
+    if (arguments.build / "CMakeCache.txt").exists():
+        run(["cmake", "--build", arguments.build, "--target", "run_mutants"], folder / "build.log")
     found = sorted(arguments.build.glob("**/run_mutants"))
     if not found:
         raise MutationError(f"run_mutants is missing; run: cmake --build {arguments.build} --target run_mutants")
@@ -197,7 +200,7 @@ def verdicts(library, arithmetic, numbers, arguments, edges, folder, known=None)
     its output.
     """
     command = [
-        runner(arguments),
+        runner(arguments, folder),
         library,
         arithmetic,
         numbers[-1],
