@@ -67,7 +67,8 @@ typedef struct packed {
   logic safety, alarm, turn, error, lock, result;
 } enables_t;
 
-// The running tick, and the edge that ends the interval if that is a tick's boundary. sequencer.sv says what a cycle is in a tick of 64 clocks
+// The running tick, and the edge that ends the interval if that is a tick's boundary. sequencer.sv says what a cycle is in a tick
+// of 64 clocks.
 typedef struct packed {
   logic       boundary;
   logic       enter;       // with boundary: a sample enters T0

@@ -5,10 +5,11 @@
 //   T0 calibrator, T1 polar unit, T3 LMS demodulator, T4 polar unit; LOAD: precise_core or paper_core
 //   T2 reference generator, error average, turn judge, results: the same for both arithmetics
 //
-// A tick is cycles 0 to 31, with clocks in between in which tick_i.rest is 1 and every stage is as if empty; tick_i.boundary is 1 in the interval whose end begins a tick. Registers are
-// read at that edge, as the bank has them in the interval, or as a stage writes them at its end:
-// outputs with a write enable hold in the interval with a boundary. Weights Q2.46, phase and
-// frequency 2^-48 turn, sample, amplitudes and offsets Q1.31, angles 2^-32 turn.
+// A tick is cycles 0 to 31, with clocks in between in which tick_i.rest is 1 and every stage is as if empty.
+// tick_i.boundary is 1 in the interval whose end begins a tick. Registers are read at that edge, as the bank has
+// them in the interval, or as a stage writes them at its end: outputs with a write enable hold in the interval
+// with a boundary. Weights Q2.46, phase and frequency 2^-48 turn, sample, amplitudes and offsets Q1.31, angles
+// 2^-32 turn.
 module datapath #(
   parameter int Paper = 0,
   parameter int OperandBits = 32,    // paper: of the PI arctangent's multipliers

@@ -3,7 +3,8 @@
 // du = u - b1, dv = v - b2; U1 = a2 du, V1 = a1 dv; U2 = U1 cos beta, V2 = V1 + U1 sin beta.
 //
 // Latency: one product in each of cycles 0..3; outputs valid from cycle 4 to cycle 31. In cycles 4 and 5
-// a1 a2 cos beta, valid from cycle 6. RegisteredTable: sine and cosine come in cycle 1, still before their use. Inputs stable in cycles 0..5. State changes only if run_i.
+// a1 a2 cos beta, valid from cycle 6. RegisteredTable: sine and cosine come in cycle 1, still before their use.
+// Inputs stable in cycles 0..5. State changes only if run_i.
 //
 // u_i .. b2_i   s32, Q1.31
 // beta_i        u32, 2^-32 turn
