@@ -38,6 +38,12 @@ void take(Bench& bench) {
   bench.write(reg_flags, flags_all);
 }
 
+// SAFETY as wanted, with the right parity bit: BAD_PARITY is 0 when the second write comes.
+void set_safety(Bench& bench, uint32_t safety) {
+  bench.write(reg_safety, safety & ~safety_bad_parity);
+  bench.write(reg_safety, safety);
+}
+
 // A word that every register takes, and that changes no more than it has to.
 uint32_t harmless(uint32_t offset, uint32_t ctrl, uint32_t safety, Random& random) {
   switch (offset) {
@@ -67,16 +73,12 @@ void each_parity(Bench& bench, Random& random, uint32_t ctrl) {
     const uint32_t safety =
         offset == reg_safety ? safety_parity | safety_bad_parity : safety_parity;
     write_word(bench, offset, harmless(offset, ctrl, safety, random));
-    if (offset != reg_safety) {
-      bench.write(reg_safety, safety);  // its own bit is wrong now
-      bench.write(reg_safety, safety);
-    }
+    if (offset != reg_safety) set_safety(bench, safety);
     for (unsigned i = 0; i < 2; ++i) {
       bench.sample(random.word32(), random.word32());
       take(bench);
     }
-    bench.write(reg_safety, safety_parity);
-    bench.write(reg_safety, safety_parity);
+    set_safety(bench, safety_parity);
     write_word(bench, offset, harmless(offset, ctrl, safety_parity, random));
     bench.sample(random.word32(), random.word32());
     take(bench);
@@ -89,22 +91,13 @@ void parity_of_words(Bench& bench, Random& random, uint32_t ctrl) {
     if (offset == reg_ctrl || offset == reg_safety) continue;  // their words decide what is seen
     begin(bench, ctrl, safety_parity);
     for (unsigned i = 0; i < 8 && !bench.failed(); ++i) {
-      const uint32_t safety = safety_parity | (random.chance(0.5) ? safety_bad_parity : 0);
-      bench.write(reg_safety, safety_parity);
-      bench.write(reg_safety, safety);
+      set_safety(bench, safety_parity | (random.chance(0.5) ? safety_bad_parity : 0));
       write_word(bench, offset, random.word32() >> random.below(2));  // some registers refuse 2^31
-      bench.write(reg_safety, safety_parity);
-      bench.write(reg_safety, safety_parity);  // its bit is right again
+      set_safety(bench, safety_parity);
       bench.sample(random.word32(), random.word32());
       take(bench);
     }
   }
-}
-
-// SAFETY as wanted, with the right parity bit, whatever it was.
-void set_safety(Bench& bench, uint32_t safety) {
-  for (unsigned i = 0; i < 2; ++i) bench.write(reg_safety, safety & ~safety_bad_parity);
-  bench.write(reg_safety, safety);
 }
 
 constexpr double radius = 2147000000, whole_turn = 6.283185307179586;
@@ -163,8 +156,7 @@ void unwatched_parity(Bench& bench, Random& random) {
     if (bench.failed()) return;
     begin(bench, calibrating, safety_bad_parity);
     write_word(bench, offset, random.word32() >> 4);
-    bench.write(reg_safety, 0);
-    bench.write(reg_safety, 0);
+    set_safety(bench, 0);
     bench.sample(random.word32(), random.word32());
     take(bench);
   }
@@ -181,8 +173,7 @@ void parity_at_every_edge(Bench& bench, Random& random, uint32_t ctrl) {
     begin(bench, ctrl, safety_parity | safety_bad_parity);
     if (!comes) {
       write_word(bench, offset, random.word32() >> 4);
-      bench.write(reg_safety, safety_parity);
-      bench.write(reg_safety, safety_parity);
+      set_safety(bench, safety_parity);
     }
     const uint64_t start = bench.edge();
     bench.sample(random.word32() >> 2, random.word32() >> 2);
@@ -284,8 +275,7 @@ void distrust(Bench& bench, Random& random) {
     begin(bench, calibrating, all_on | safety_bad_parity | limits(31, 29));
     bench.write(reg_safety, all_on | safety_bad_parity | limits(31, 29));
     for (unsigned i = 0; i < 2; ++i) bench.sample(random.word32(), random.word32()), bench.drain();
-    bench.write(reg_safety, 0);
-    bench.write(reg_safety, 0);
+    set_safety(bench, 0);
     bench.write(reg_flags, flags_all & ~(1u << (flags_safety_shift + bit)));
     for (unsigned i = 0; i < 2; ++i) {
       bench.sample(random.word32(), random.word32());
