@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 #include "host/console.h"
@@ -22,8 +23,10 @@ Json ended_badly(const Answer& refusal) {
   return {{"code", run::exit_code::internal}, {"lost", {refusal.sentence}}};
 }
 
-bool is_standard(const std::string& backend) {
-  return backend == "stderr" || backend == "stdout" || backend == "stdio";
+Json array_of(std::string_view bytes) {
+  Json array = Json::array();
+  for (const char byte : bytes) array.push_back(static_cast<uint8_t>(byte));
+  return array;
 }
 
 }  // namespace
@@ -44,25 +47,25 @@ Json RunSession::settings_of(const run::RunSettings& settings) {
     given["history_mb"] = static_cast<uint64_t>(settings.gdb.memory_mb());
   if (settings.results.wants_curves()) given[settings.results.curves.about().path] = "true";
   for (const run::UartSettings::Line& line : settings.uarts.lines)
-    if (is_standard(line.backend())) given[line.backend.about().path] = "null";
+    if (place_of(line.backend()) != Stream::Place::nowhere)
+      given[line.backend.about().path] = "null";
   return given;
+}
+
+RunSession::Stream::Place RunSession::place_of(const std::string& backend) {
+  if (backend == "stderr") return Stream::Place::error;
+  return backend == "stdout" || backend == "stdio" ? Stream::Place::output : Stream::Place::nowhere;
 }
 
 /// What the session is given of the settings, and what is left for the terminal.
 void RunSession::divide(const run::RunSettings& settings) {
-  using Place = Stream::Place;
   session_file_ = settings.results.session();
   keep_last_s_ = settings.results.keep_last_s();
   settings_ = settings_of(settings);
-  const auto place_of = [](const std::string& backend) {
-    if (backend == "stderr") return Place::error;
-    return backend == "stdout" || backend == "stdio" ? Place::output : Place::nowhere;
-  };
   for (std::size_t n = 0; n < settings.uarts.lines.size(); ++n) {
     const TextField& backend = settings.uarts.lines[n].backend;
-    const Place place = place_of(backend());
     streams_.push_back(
-        {fmt::format("uart{}", n), "uart.read", {{"uart", n}, {"raw", true}}, place});
+        {fmt::format("uart{}", n), "uart.read", {{"uart", n}, {"raw", true}}, place_of(backend())});
     if (backend() == "stdio") keyboard_ = static_cast<int>(n);
   }
   streams_.push_back({"itm", "itm.read", {{"raw", true}}, place_of(settings.itm.backend())});
@@ -200,33 +203,29 @@ void RunSession::read_keys() {
     keyboard_ = -1;
     return;
   }
-  Json bytes = Json::array();
-  for (ssize_t i = 0; i < count; ++i) bytes.push_back(static_cast<uint8_t>(buffer[i]));
-  ask("uart.send", {{"uart", keyboard_}, {"bytes", std::move(bytes)}});
+  const std::string_view typed(buffer, static_cast<std::size_t>(count));
+  ask("uart.send", {{"uart", keyboard_}, {"bytes", array_of(typed)}});
 }
 
 /// A line at a time: between two of them what the program says is shown.
-bool RunSession::answer_console(std::chrono::milliseconds patience) {
+void RunSession::answer_console(std::chrono::milliseconds patience) {
   std::fflush(stdout);  // the question
   std::size_t end = typed_.find('\n');
   bool is_last = false;
   while (end == std::string::npos && !is_last) {
     pollfd keys{STDIN_FILENO, POLLIN, 0};
-    if (poll(&keys, 1, static_cast<int>(patience.count())) <= 0) return false;
+    if (poll(&keys, 1, static_cast<int>(patience.count())) <= 0) return;
     std::array<char, 4096> buffer;
     const ssize_t count = read(STDIN_FILENO, buffer.data(), buffer.size());
-    if (count < 0 && errno == EINTR) return false;
+    if (count < 0 && errno == EINTR) return;
     is_last = count <= 0;
     if (!is_last) typed_.append(buffer.data(), static_cast<std::size_t>(count));
     end = typed_.find('\n');
     if (!is_last && isatty(STDIN_FILENO) != 0) break;  // a terminal ends lines otherwise, too
   }
   const std::size_t size = end == std::string::npos ? typed_.size() : end + 1;
-  Json bytes = Json::array();
-  for (const char byte : typed_.substr(0, size)) bytes.push_back(static_cast<uint8_t>(byte));
+  ask("semihosting.send", {{"bytes", array_of(typed_.substr(0, size))}, {"end", is_last}});
   typed_.erase(0, size);
-  ask("semihosting.send", {{"bytes", std::move(bytes)}, {"end", is_last}});
-  return true;
 }
 
 void RunSession::record() {

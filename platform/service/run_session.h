@@ -61,8 +61,8 @@ class RunSession {
   void read_keys();
   bool reads_keys() const { return keyboard_ >= 0; }
   /// The program reads its console, which is standard input: sends what was typed, or that nothing
-  /// will be. False: nothing was typed in that time.
-  bool answer_console(std::chrono::milliseconds patience);
+  /// will be. Nothing was typed in that time: does nothing.
+  void answer_console(std::chrono::milliseconds patience);
   /// Something was typed that is to be sent.
   bool has_keys() const;
   /// A sentence about an output that is not whole; the run is no pass.
@@ -84,6 +84,7 @@ class RunSession {
   std::optional<Error> construct(const std::string& asked_by, const std::string& recorded);
   std::string why_no_history();
   void divide(const run::RunSettings& settings);
+  static Stream::Place place_of(const std::string& backend);
   bool is_read(const Stream& stream) const;
   void record();
 

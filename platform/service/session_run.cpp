@@ -146,7 +146,7 @@ class SessionRun final : private debug::Clients::Processor {
     }
     if (reason == Json("console")) {
       if (is_repeated_) return false;
-      if (!session_.answer_console(look)) clients_.wait(look);
+      session_.answer_console(nap);
       return true;
     }
     if (reason != Json("interrupted")) clients_.halt(cause_in(answer.result));

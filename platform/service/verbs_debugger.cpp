@@ -69,11 +69,7 @@ Answer resume(Board& board, const Call& call) {
   std::optional<StopCause> cause;
   Advance advance(board);
   Advance::Watcher watcher;
-  const bool runs = how->kind == Resume::Kind::run;
-  watcher.on_run = [&, runs](armv7m::StopReason reason, bool advanced) {
-    // By far the most ends of runs.
-    if (runs && (reason == armv7m::StopReason::sleeping || reason == armv7m::StopReason::budget))
-      return false;
+  watcher.on_run = [&](armv7m::StopReason reason, bool advanced) {
     if (const auto stop = board.target().stop_cause(reason)) {
       if (stop->kind == StopCause::Kind::lockup && !is_debugged) return false;
       cause = stop;
@@ -83,7 +79,7 @@ Answer resume(Board& board, const Call& call) {
         reason == armv7m::StopReason::semihosting_waits ||
         reason == armv7m::StopReason::reset_request)
       return false;
-    if (runs || !advanced || is_inside(*how, core.reg(15))) return false;
+    if (how->kind == Resume::Kind::run || !advanced || is_inside(*how, core.reg(15))) return false;
     cause = StopCause{StopCause::Kind::step};
     return true;
   };

@@ -66,6 +66,7 @@ class Scene {
  private:
   using Clock = std::chrono::steady_clock;
 
+  void list_registers();
   Questions::value_type ask_activity() const;
   Questions::value_type ask_samples() const;
   void take(const Status& status, const Answers& answers);
@@ -81,7 +82,6 @@ class Scene {
   uint64_t next_sample_ = 0;
   Json state_ = Json::object(), sensor_, history_, coprocessor_, status_register_, flags_register_;
   Json place_, registers_ = Json::array();
-  void list_registers();
   std::map<std::string, std::vector<std::string>> peripherals_;
   std::string peripheral_ = "COPROCESSOR";
   std::map<std::string, std::string> new_text_, all_text_;

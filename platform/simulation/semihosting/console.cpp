@@ -37,7 +37,7 @@ bool Console::refill() {
   return true;
 }
 
-/// However the host cuts its input into pieces, the guest gets the same ones.
+/// A line at a time, so that it does not matter how many of them the host has at once.
 std::optional<std::string> Console::read(std::size_t most) {
   flush();  // the prompt
   if (!refill()) return backend_->asks() ? std::nullopt : std::optional(std::string());
