@@ -126,7 +126,7 @@ std::optional<Error> Settings::set(const std::string& path, const std::string& v
       if (const auto wrong = parsers_[i]->parse(value, wins))
         return Error{fmt::format("{}: {} {}", origin, path, *wrong)};
     if (wins) {
-      setting.value = value;
+      setting.value = parsers_[i] != nullptr ? parsers_[i]->meaning(value) : value;
       setting.source = source;
       // These take any setting: its path says more.
       const bool general =

@@ -81,6 +81,8 @@ class SettingParser {
   /// What is wrong with a text, as the end of a sentence that begins with the setting's path. A
   /// text that is right is taken if `take`, else only looked at.
   virtual std::optional<std::string> parse(const std::string& text, bool take) = 0;
+  /// What a text that is taken stands for, which becomes the value.
+  virtual std::string meaning(const std::string& text) const { return text; }
 
  protected:
   SettingParser() = default;

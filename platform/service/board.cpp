@@ -4,13 +4,11 @@
 
 #include <algorithm>
 #include <cstring>
-#include <filesystem>
 #include <type_traits>
 #include <utility>
 
 #include "base/nearest.h"
 #include "base/printable.h"
-#include "host/places.h"
 #include "metrics/program_verdict.h"
 #include "results/results.h"
 #include "service/ticker.h"
@@ -21,17 +19,6 @@ namespace capsoc::service {
 namespace {
 
 constexpr const char* origin = "settings";
-
-/// A custom program, or one that comes with capsoc by its name alone.
-std::string program_named(const std::string& name) {
-  std::error_code ignored;
-  if (std::filesystem::exists(name, ignored) || name.find('/') != std::string::npos) return name;
-  for (const char* ending : {"", ".elf"})
-    if (std::string known = host::data_path("firmware/" + name + ending);
-        std::filesystem::exists(known, ignored))
-      return known;
-  return name;
-}
 
 std::vector<double> column(const std::deque<std::pair<double, double>>& pairs,
                            double std::pair<double, double>::*member) {
@@ -126,11 +113,10 @@ std::optional<Error> Board::set(const Json& settings) {
       history_budget_ = value.get<std::size_t>() << 20U;
       continue;
     }
-    std::optional<std::string> text = setting_text(value);
+    const std::optional<std::string> text = setting_text(value);
     if (!text)
       return Error{fmt::format("settings: '{}' has to be a text, a number, true or false",
                                printable(name, 80))};
-    if (name == settings_.firmware.elf.about().path) text = program_named(*text);
     if (auto error = settings_.set(name, *text, SettingSource::command_line, origin)) return error;
   }
   for (const TextField* file :

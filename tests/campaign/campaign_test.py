@@ -379,6 +379,10 @@ firmware.elf = ["{FIRMWARE}/forever.elf", "{FIRMWARE}/hello.elf"]
         _, said = self.campaign("run", "d.toml", "--retry", code=1)
         self.assertIn("1 of 1 runs", said)
 
+    def test_programs_by_their_names(self):
+        out, _, endings = self.endings('name = "names"\n[[axes]]\nfirmware.elf = ["hello", "newlib"]\n', code=0)
+        self.assertEqual(endings, ["finished", "finished"], out)
+
     def test_out_of_memory(self):
         _, _, endings = self.endings(SHORT.replace("least_yield = 0", "") + "[limits]\nmemory_mib = 48\n")
         self.assertEqual(endings, ["out of memory"])

@@ -15,7 +15,7 @@ from harness import BUILD, CAPSOC, CLEAN, FIRMWARE, TRACES
 CTEST = {"name": "system", "timeout": 600}
 
 
-def capsoc(*arguments, environment=None):
+def capsoc(*arguments, environment=None, folder=None):
     """Runs the program; stdout and stderr as bytes and text."""
     return subprocess.run(
         [CAPSOC, *map(str, arguments)],
@@ -23,6 +23,7 @@ def capsoc(*arguments, environment=None):
         timeout=570,
         check=False,
         env={**CLEAN, **(environment or {})},
+        cwd=folder,
     )
 
 
@@ -313,6 +314,17 @@ class Firmware(unittest.TestCase):
         process = capsoc("run", FIRMWARE / "hello.elf")
         self.assertEqual(process.returncode, 0, process.stderr.decode())
         self.assertIn(b"ello", process.stdout)
+
+    def test_a_program_that_comes_with_capsoc_by_its_name(self):
+        with tempfile.TemporaryDirectory() as folder:
+            process = capsoc("run", "hello", folder=folder)
+            self.assertEqual(process.returncode, 0, process.stderr.decode())
+            self.assertIn(b"ello", process.stdout)
+            # A file of that name comes first.
+            (Path(folder) / "hello").write_text("no program")
+            process = capsoc("run", "hello", folder=folder)
+            self.assertEqual(process.returncode, 2)
+            self.assertIn("hello: is no ELF file", process.stderr.decode())
 
     def test_a_program_without_a_sensor_has_no_summary_of_one(self):
         process, r = run(FIRMWARE / "hello.elf")

@@ -22,12 +22,24 @@ std::string default_sensor() {
 
 }  // namespace
 
+std::string ProgramField::meaning(const std::string& text) const {
+  std::error_code ignored;
+  if (text.find('/') != std::string::npos || std::filesystem::exists(text, ignored)) return text;
+  for (const char* ending : {"", ".elf"})
+    if (std::string known = host::data_path("firmware/" + text + ending);
+        std::filesystem::is_regular_file(known, ignored))
+      return known;
+  return text;
+}
+
 FirmwareSettings::FirmwareSettings(Settings& settings)
     : all(settings),
-      elf(all, setting("firmware.elf", SettingKind::input, host::data_path("firmware/selfcal.elf"),
-                       "program for the Cortex-M3")
-                   .by({"elf", "ELF",
-                        "Program for the Cortex-M3, ELF or Intel HEX (default: selfcal)"})) {
+      elf(all,
+          setting("firmware.elf", SettingKind::input, host::data_path("firmware/selfcal.elf"),
+                  "program for the Cortex-M3: a file, or the name of one that comes with capsoc")
+              .by({"elf", "ELF",
+                   "Program for the Cortex-M3: ELF, Intel HEX, or the name of one that comes with "
+                   "capsoc (default: selfcal)"})) {
   all.add(SettingGroup{program_prefix, "a setting of the program (--list-program-settings)"});
 }
 

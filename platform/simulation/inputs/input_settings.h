@@ -13,11 +13,21 @@ namespace capsoc::run {
 /// What all paths of the program's own settings begin with.
 constexpr const char* program_prefix = "program.";
 
+/// A program by its file, or one that comes with capsoc by its name alone ("selfcal"): the value is
+/// the file. A file of that name in the current folder comes first.
+class ProgramField final : public SettingField {
+ public:
+  ProgramField(Settings& owner, Setting declared) : SettingField(owner, std::move(declared)) {}
+  const std::string& operator()() const { return text(); }
+  std::optional<std::string> parse(const std::string&, bool) override { return std::nullopt; }
+  std::string meaning(const std::string& text) const override;
+};
+
 /// The programs; program.NAME (-P) are settings of the first one itself.
 struct FirmwareSettings {
   explicit FirmwareSettings(Settings& settings);
   Settings& all;
-  TextField elf;
+  ProgramField elf;
   TextField load{
       all, setting("firmware.load", SettingKind::text, "",
                    "further images, FILE@ADDRESS (raw), ELF or Intel HEX, separated by commas")
