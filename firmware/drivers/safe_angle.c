@@ -101,7 +101,7 @@ static enum safe_angle_state compare(const struct safe_angle* state, uint32_t an
   return size > (int64_t)magnitude(largest) + 3 ? safe_angle_inverse : safe_angle_good;
 }
 
-static enum safe_angle_state found_by_coprocessor(void) {
+enum safe_angle_state safe_angle_found_by_coprocessor(void) {
   const uint32_t found = coprocessor_safety_found();
   if ((found & COPROCESSOR_FLAGS_PARITY_Msk) != 0) return safe_angle_parity;
   if ((found & COPROCESSOR_FLAGS_MISFIT_Msk) != 0) return safe_angle_misfit;
@@ -110,7 +110,7 @@ static enum safe_angle_state found_by_coprocessor(void) {
 }
 
 enum safe_angle_state safe_angle_read(struct safe_angle* state, uint32_t* angle) {
-  const enum safe_angle_state its_own = found_by_coprocessor();
+  const enum safe_angle_state its_own = safe_angle_found_by_coprocessor();
   if (its_own != safe_angle_good) return its_own;
   if (!copy_is_whole(state)) return safe_angle_copy;
   const uint32_t samples = COPROCESSOR->SAMPLES;

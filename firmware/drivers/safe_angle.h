@@ -46,6 +46,9 @@ struct safe_angle {
 void safe_angle_begin(struct safe_angle* state, const struct coprocessor_parameters* parameters,
                       uint32_t limit, uint32_t step_limit, bool computes);
 
+// What the coprocessor's safety mechanisms have found so far.
+enum safe_angle_state safe_angle_found_by_coprocessor(void);
+
 // To be called once after each result. `*angle` is written if the state is good.
 enum safe_angle_state safe_angle_read(struct safe_angle* state, uint32_t* angle);
 

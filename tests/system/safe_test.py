@@ -107,6 +107,26 @@ class Checks(SafeCase):
                 sample = int(re.search(r"no angle for sample (\d+)", said)[1])
                 self.assertLessEqual(sample, SAMPLE + late)
 
+    def test_faults_while_it_learns(self):
+        lost, misfit = "a register of the coprocessor has lost a bit", "the coprocessor's error is beyond its limit"
+        for fault, sentence in (
+            # A wrong step of the learning changes no angle at once.
+            ("flip coprocessor.step_av[25] at 5.2s", lost),
+            ("flip coprocessor.bv[41] at 5.2s", lost),
+            ("flip coprocessor.step_au[27] at 40.1s", lost),
+            ("flip coprocessor.mechanisms[2] at 40.1s", lost),
+            ("flip sin[28] at sample 10000", misfit),
+            ("freeze cos at sample 10000", misfit),
+        ):
+            with self.subTest(fault=fault):
+                said, result = self.run_safe("--inject", fault, settings=COPROCESSOR)
+                self.assertEqual(result["exit"]["code"], 1, said)
+                self.assertIn(f"safe: fail: {sentence}", said)
+                # Looked at once a turn, of 500 samples, or a second.
+                sample = int(re.search(r"no angle for sample (\d+)", said)[1])
+                begin = result["faults"][0]["time_s"] * 250
+                self.assertLessEqual(sample, begin + 501)
+
     def test_the_start_finds_a_mechanism_that_does_not_work(self):
         monitor, settings = "rtl.u_datapath.u_safety_monitor.", "rtl.u_register_bank.u_settings."
         for fault, sentence in (

@@ -100,6 +100,7 @@ bool demodulate(struct supervision* state, uint32_t samples, uint32_t progress_s
     now = samples - now < period ? samples : now + period;
     if (!judgement_until(&state->judgement, now)) return false;
     supervise(state, now);
+    if (state->goes_on != NULL && !state->goes_on(state)) return false;
     if (now / state->rate_hz < next_line) continue;
     next_line += progress_seconds;
     const struct coprocessor_parameters parameters = coprocessor_read_parameters();

@@ -15,6 +15,9 @@ struct supervision {
   // longer than a turn
   uint32_t mirror_seconds;
   struct judgement judgement;  // with its settings
+  // Called once a supervision_period of demodulate(), just after a result; false ends it. Null: not
+  // called.
+  bool (*goes_on)(const struct supervision* state);
   // The rest starts at 0.
   uint32_t mirror_since;  // sample count at which the mirror flag was first seen; 0: it is down
   uint32_t locked_at;     // sample count at which the present lock was first seen; 0: not locked
@@ -31,7 +34,7 @@ uint32_t supervision_period(const struct supervision* state);
 bool supervise(struct supervision* state, uint32_t samples);
 
 // Supervises the first `samples` samples and prints the parameters every `progress_seconds`. False
-// if the signal ended early.
+// if the signal ended early, or `goes_on` ended it.
 bool demodulate(struct supervision* state, uint32_t samples, uint32_t progress_seconds);
 
 // One sentence for FLAGS that must not be raised; null without one.

@@ -107,16 +107,27 @@ static uint32_t step_noise(const struct judgement* judgement) {
 }
 
 // The coprocessor's limits, from those of the program: an error of the angle moves a signal by no
-// more than its amplitude times the error's sine; four times the noise comes on top.
-static void watch_coprocessor(uint32_t noise) {
-  const struct coprocessor_parameters* p = &parameters.stored;
+// more than its amplitude times the error's sine; what the samples' errors are anyway comes on top.
+static void limit_coprocessor(const struct coprocessor_parameters* p, uint32_t errors,
+                              uint32_t noise) {
   const int32_t smaller = p->a1 < p->a2 ? p->a1 : p->a2;
   const int32_t sine = safe_angle_sine(settings.check_deg);
   const uint32_t error = (uint32_t)(((int64_t)smaller * sine) >> 30);
   const int32_t speed = (int32_t)(coprocessor_frequency() >> 16);
   const uint32_t step = speed < 0 ? 0 - (uint32_t)speed : (uint32_t)speed;
-  coprocessor_safety_begin(error + 4 * COPROCESSOR->ERROR_AVERAGE,
-                           step + settings.step_deg + noise);
+  coprocessor_safety_begin(error + errors, step + settings.step_deg + noise);
+}
+
+// While it learns. Without a lock any error and any step is good; with one the errors are also
+// those of coefficients that are not there yet, which go up to half as much again as their average.
+static bool watch_learning(const struct supervision* state) {
+  if (coprocessor_safety_found() != 0) return false;
+  if (state->locked_at == 0 || state->judgement.before == 0)
+    coprocessor_safety_begin_unlimited();
+  else
+    limit_coprocessor(&state->judgement.parameters, 8 * COPROCESSOR->ERROR_AVERAGE,
+                      step_noise(&state->judgement));
+  return true;
 }
 
 // Every angle of the calibration. True, or the program's status in `*status`.
@@ -157,6 +168,7 @@ int main(void) {
     print_text("safe: half a turn a sample or more: frequency_hz is too high for rate_hz\n");
     return status_refused;
   }
+  if (settings.coprocessor_checks != 0) coprocessor_safety_begin_unlimited();
   COPROCESSOR->CTRL = SAMPLING_CTRL | COPROCESSOR_CTRL_DEMOD_Msk;
   if (!sampling_start(settings.rate_hz)) {
     print_text("safe: the ADC refuses the sampling rate\n");
@@ -167,8 +179,11 @@ int main(void) {
       .name = "safe",
       .rate_hz = settings.rate_hz,
       .mirror_seconds = settings.mirror_seconds,
+      .goes_on = settings.coprocessor_checks != 0 ? watch_learning : NULL,
       .judgement = {.limit = settings.limit_deg, .fewest = 2, .numeric = true}};
   if (!demodulate(&state, settings.demodulation_samples, settings.progress_seconds)) {
+    const enum safe_angle_state found = safe_angle_found_by_coprocessor();
+    if (found != safe_angle_good) return refuse_angle(found, sampling_count());
     print_end(sampling_count());
     sampling_stop();
     judgement_finish(&state.judgement);
@@ -182,7 +197,9 @@ int main(void) {
   judgement_cover(&state.judgement);
   safe_angle_begin(&safe, &parameters.stored, settings.check_deg,
                    settings.step_deg + step_noise(&state.judgement), settings.program_checks != 0);
-  if (settings.coprocessor_checks != 0) watch_coprocessor(step_noise(&state.judgement));
+  if (settings.coprocessor_checks != 0)
+    limit_coprocessor(&parameters.stored, 4 * COPROCESSOR->ERROR_AVERAGE,
+                      step_noise(&state.judgement));
   protect_memory(&parameters, sizeof parameters);
   // Two sample periods: one until the sample, one for what handles it.
   watchdog_start(2 * (clock_hz / settings.rate_hz));
