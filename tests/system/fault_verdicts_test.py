@@ -298,6 +298,40 @@ class Tool(Case):
             hits = sum(row["verdict"] == verdict for row in rows)
             self.assertRegex(done.stdout, rf"(?m)^{verdict} +{hits} ")
 
+    def test_table_of_stores(self):
+        """Two programs side by side: the counts are those of the rows, and every run is in one column."""
+        (self.folder / "d.toml").write_text(
+            'name = "d"\nkind = "fault"\nleast_yield = 0\n[settings]\nfault.units = "coprocessor,processor"\n'
+            '[[axes]]\nfirmware.elf = ["safe", "selfcal"]\n[repetitions]\ncount = 12\nseeds = ["fault.seed"]\n'
+        )
+        output_of(CAPSOC, "campaign", "run", "d.toml", "--store", "d.sqlite", cwd=self.folder)
+
+        def table(*options, code=0):
+            words = [SOURCE / "scripts" / "tool", "fault_table", "--build", BUILD, *options]
+            done = subprocess.run(
+                words, capture_output=True, text=True, check=False, env=CLEAN, cwd=self.folder, timeout=100
+            )
+            self.assertEqual(done.returncode, code, done.stderr)
+            return done.stdout + done.stderr
+
+        rows = json.loads(
+            output_of(CAPSOC, *"campaign export d.sqlite --all --json /dev/stdout".split(), cwd=self.folder)
+        )
+        self.assertEqual(len(rows["verdict"]), 24)
+        said = table("d.sqlite", "--by", "firmware.elf", "--silent")
+        self.assertRegex(said, r"(?m)^ +safe +selfcal$")
+        self.assertRegex(said, r"(?m)^faults +12 +12$")
+        for verdict in tool.VERDICTS:
+            counts = [
+                sum(pair == (program, verdict) for pair in zip(rows["firmware.elf"], rows["verdict"]))
+                for program in ("safe", "selfcal")
+            ]
+            self.assertRegex(said, rf"(?m)^{verdict} +{counts[0]}(,.*%.*| \(to .*\)) +{counts[1]}(,.*%.*| \(to .*\))$")
+        self.assertEqual(said.count("\nsilent ("), rows["verdict"].count("silent"))
+        self.assertRegex(table("d.sqlite", "--by", "firmware.elf", "--only", "firmware.elf=safe"), r"(?m)^faults +12$")
+        self.assertIn("its runs have no 'colour'", table("d.sqlite", "--by", "colour", code=2))
+        self.assertIn("this is no store of a campaign", table("d.toml", code=2))
+
     def test_metrics(self):
         (self.folder / "r.toml").write_text("[fit_per_bit]\ncoprocessor = 1e-4\nproc = 2e-3\n")
         done = self.run_tool("--count", "30", "--units", "processor,coprocessor", "--rates", "r.toml")
