@@ -187,6 +187,21 @@ class Checks(SafeCase):
                 self.assertIn("safe: stopped by the watchdog", said)
                 self.assertLess(result["time"]["simulated_s"], 50.42)
 
+    def test_the_watchdog_from_the_start_to_the_exit(self):
+        short = [word.replace("=12500", "=5000") for word in SHORT]
+        for fault, at_s in (
+            # While it learns.
+            ("lose irq coprocessor at 10s for 100", 10),
+            # After the last angle, at 24 s: the verdict is never sent.
+            ("lose irq uart0.tx at 23.9s for 100", 24),
+        ):
+            with self.subTest(fault=fault):
+                said, result = self.run_safe("--inject", fault, settings=short)
+                self.assertEqual(result["exit"]["reason"], "the firmware ended with status 4", said)
+                self.assertIn("safe: stopped by the watchdog", said)
+                self.assertGreater(result["time"]["simulated_s"], at_s)
+                self.assertLess(result["time"]["simulated_s"], at_s + 12)
+
     def test_faults_and_memory_protection(self):
         for fault, sentence in (
             # In the handler of the result: data are not executed.

@@ -1,6 +1,6 @@
 // Self-calibration as in selfcal, whose angles are checked in their own sample (safe_angle.h), with
-// a watchdog and memory protection (protection.h). What is found ends the program at once, with a
-// pin that says so.
+// a watchdog from the start to the exit and memory protection (protection.h). What is found ends
+// the program at once, with a pin that says so.
 //
 // Status:
 // - 0 pass
@@ -56,6 +56,9 @@ PROGRAM_SETTINGS(SETTINGS)
 #define settings (*program_settings_values())
 
 enum { status_refused = 2, status_no_coprocessor = 3 };
+// Of the watchdog outside calibration mode: longer than from one look at what is learnt to the
+// next, and than all that is printed at once.
+enum { watchdog_seconds = 10 };
 
 // What the checks compare with: written once, then protected.
 static struct {
@@ -90,7 +93,7 @@ static bool set_up_coprocessor(uint32_t clock_hz) {
 
 static int refuse_angle(enum safe_angle_state why, uint32_t sample) {
   gpio_write(GPIO0, angle_good_pin, 0);
-  watchdog_end();
+  watchdog_start(watchdog_seconds * clock_frequency_hz());
   sampling_stop();
   print_text("safe: no angle for sample ");
   print_unsigned(sample, 0);
@@ -121,6 +124,8 @@ static void limit_coprocessor(const struct coprocessor_parameters* p, uint32_t e
 // While it learns. Without a lock any error and any step is good; with one the errors are also
 // those of coefficients that are not there yet, which go up to half as much again as their average.
 static bool watch_learning(const struct supervision* state) {
+  watchdog_serve();
+  if (settings.coprocessor_checks == 0) return true;
   if (coprocessor_safety_found() != 0) return false;
   if (state->locked_at == 0 || state->judgement.before == 0)
     coprocessor_safety_begin_unlimited();
@@ -161,6 +166,7 @@ int main(void) {
   gpio_make_output(GPIO0, angle_good_pin);
   print_banner(clock_hz);
   console_start_buffering();
+  watchdog_start(watchdog_seconds * clock_hz);
 
   const char* const failed = settings.coprocessor_checks != 0 ? coprocessor_safety_test() : NULL;
   if (failed != NULL) return fail_because("safe", failed);
@@ -179,11 +185,12 @@ int main(void) {
       .name = "safe",
       .rate_hz = settings.rate_hz,
       .mirror_seconds = settings.mirror_seconds,
-      .goes_on = settings.coprocessor_checks != 0 ? watch_learning : NULL,
+      .goes_on = watch_learning,
       .judgement = {.limit = settings.limit_deg, .fewest = 2, .numeric = true}};
   if (!demodulate(&state, settings.demodulation_samples, settings.progress_seconds)) {
     const enum safe_angle_state found = safe_angle_found_by_coprocessor();
-    if (found != safe_angle_good) return refuse_angle(found, sampling_count());
+    if (settings.coprocessor_checks != 0 && found != safe_angle_good)
+      return refuse_angle(found, sampling_count());
     print_end(sampling_count());
     sampling_stop();
     judgement_finish(&state.judgement);
@@ -208,7 +215,7 @@ int main(void) {
 
   int status = 0;
   if (!calibrate(&state, demodulated, &status)) return status;
-  watchdog_end();
+  watchdog_start(watchdog_seconds * clock_hz);
   gpio_write(GPIO0, angle_good_pin, 0);
   sampling_stop();
   judgement_finish(&state.judgement);

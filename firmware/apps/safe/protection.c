@@ -112,8 +112,3 @@ void watchdog_serve(void) {
   WATCHDOG->INTCLR = 1;
   WATCHDOG->LOCK = 0;
 }
-
-void watchdog_end(void) {
-  WATCHDOG->LOCK = unlocked;
-  WATCHDOG->CONTROL = 0;
-}

@@ -19,9 +19,9 @@ _Noreturn void safe_stop(int status, const char* why);
 // to 4 GiB, and it is aligned to its size.
 void protect_memory(const void* block, uint32_t bytes);
 
-// Stops the program unless watchdog_serve() comes within `cycles`.
+// Stops the program unless watchdog_serve() comes within `cycles`, from now on or from the last
+// one.
 void watchdog_start(uint32_t cycles);
 void watchdog_serve(void);
-void watchdog_end(void);
 
 #endif
