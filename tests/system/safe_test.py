@@ -127,6 +127,16 @@ class Checks(SafeCase):
                 begin = result["faults"][0]["time_s"] * 250
                 self.assertLessEqual(sample, begin + 501)
 
+    def test_mechanisms_that_are_left_out(self):
+        for fault, found_by, sentence in (
+            (f"flip coprocessor.cv[39] at {WHEN}", 1, "a register of the coprocessor has lost a bit"),
+            (f"flip sin[25] at sample {SAMPLE}", 2, "the coprocessor's error is beyond its limit"),
+        ):
+            for mechanisms in (15, found_by, 15 - found_by):
+                with self.subTest(fault=fault, mechanisms=mechanisms):
+                    said, _ = self.run_safe("--inject", fault, "-P", f"mechanisms={mechanisms}", settings=COPROCESSOR)
+                    self.assertEqual(f"safe: fail: {sentence}" in said, mechanisms & found_by != 0, said)
+
     def test_the_start_finds_a_mechanism_that_does_not_work(self):
         monitor, settings = "rtl.u_datapath.u_safety_monitor.", "rtl.u_register_bank.u_settings."
         for fault, sentence in (

@@ -50,6 +50,8 @@
          "by which a step may differ from the speed's, apart from noise")     \
   NUMBER(uint32_t, coprocessor_checks, 1, 0, 1, 1, "",                        \
          "1: the coprocessor's safety mechanisms are tested and switched on") \
+  NUMBER(uint32_t, mechanisms, 15, 0, 15, 1, "",                              \
+         "which of them: the sum of 1 PARITY, 2 MISFIT, 4 JUMP, 8 MISSED")    \
   NUMBER(uint32_t, program_checks, 1, 0, 1, 1, "",                            \
          "1: the program computes what each angle's sample should be")
 PROGRAM_SETTINGS(SETTINGS)
@@ -109,6 +111,12 @@ static uint32_t step_noise(const struct judgement* judgement) {
   return residue < largest ? 3 * residue : 3 * largest;
 }
 
+// For a measurement of what each is worth. Its bits are those of SAFETY.
+static void leave_mechanisms_out(void) {
+  const uint32_t every = 15;
+  if (settings.mechanisms != every) COPROCESSOR->SAFETY &= ~(every & ~settings.mechanisms);
+}
+
 // The coprocessor's limits, from those of the program: an error of the angle moves a signal by no
 // more than its amplitude times the error's sine; what the samples' errors are anyway comes on top.
 static void limit_coprocessor(const struct coprocessor_parameters* p, uint32_t errors,
@@ -119,6 +127,12 @@ static void limit_coprocessor(const struct coprocessor_parameters* p, uint32_t e
   const int32_t speed = (int32_t)(coprocessor_frequency() >> 16);
   const uint32_t step = speed < 0 ? 0 - (uint32_t)speed : (uint32_t)speed;
   coprocessor_safety_begin(error + errors, step + settings.step_deg + noise);
+  leave_mechanisms_out();
+}
+
+static void begin_without_limits(void) {
+  coprocessor_safety_begin_unlimited();
+  leave_mechanisms_out();
 }
 
 // While it learns. Without a lock any error and any step is good; with one the errors are also
@@ -128,7 +142,7 @@ static bool watch_learning(const struct supervision* state) {
   if (settings.coprocessor_checks == 0) return true;
   if (coprocessor_safety_found() != 0) return false;
   if (state->locked_at == 0 || state->judgement.before == 0)
-    coprocessor_safety_begin_unlimited();
+    begin_without_limits();
   else
     limit_coprocessor(&state->judgement.parameters, 8 * COPROCESSOR->ERROR_AVERAGE,
                       step_noise(&state->judgement));
@@ -174,7 +188,7 @@ int main(void) {
     print_text("safe: half a turn a sample or more: frequency_hz is too high for rate_hz\n");
     return status_refused;
   }
-  if (settings.coprocessor_checks != 0) coprocessor_safety_begin_unlimited();
+  if (settings.coprocessor_checks != 0) begin_without_limits();
   COPROCESSOR->CTRL = SAMPLING_CTRL | COPROCESSOR_CTRL_DEMOD_Msk;
   if (!sampling_start(settings.rate_hz)) {
     print_text("safe: the ADC refuses the sampling rate\n");
