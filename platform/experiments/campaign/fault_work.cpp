@@ -7,6 +7,7 @@
 
 #include <cerrno>
 #include <filesystem>
+#include <set>
 
 #include "campaign/kinds.h"
 #include "campaign/work_settings.h"
@@ -21,6 +22,7 @@
 #include "host/temporary_folder.h"
 #include "results/exit_codes.h"
 #include "results/results.h"
+#include "session/run_files.h"
 #include "session/run_settings.h"
 
 namespace capsoc::campaign {
@@ -31,7 +33,10 @@ struct FaultSettings {
   run::RunSettings run;
   fault::TrialSettings trial;
 
+  /// Nothing of what was set before stays.
   std::optional<Error> set(const std::vector<Assignment>& assignments) {
+    run.forget_values();
+    trial.forget_values();
     std::vector<Assignment> of_run, of_trial;
     for (const Assignment& each : assignments)
       (each.path.rfind("fault.", 0) == 0 ? of_trial : of_run).push_back(each);
@@ -65,14 +70,13 @@ struct FaultSettings {
 class FaultWork final : public Work {
  public:
   Result<Job> prepare(const std::vector<Assignment>& assignments) override {
-    FaultSettings settings;
-    if (auto error = settings.set(assignments)) return *error;
+    if (auto error = settings_.set(assignments)) return *error;
+    const fault::TrialSettings& trial = settings_.trial;
     Job job;
-    job.identity = run_identity(settings.run) + settings_identity(settings.trial);
-    job.command = run::reproducing_command(settings.run);
-    job.command +=
-        fmt::format(" --inject '{}'", settings.trial.line.empty() ? "(fault.line of the result)"
-                                                                  : settings.trial.line());
+    job.identity = run_identity(settings_.run) + settings_identity(trial);
+    job.command = run::reproducing_command(settings_.run);
+    job.command += fmt::format(" --inject '{}'",
+                               trial.line.empty() ? "(fault.line of the result)" : trial.line());
     return job;
   }
 
@@ -86,6 +90,8 @@ class FaultWork final : public Work {
     }
     FaultSettings settings;
     if (auto error = settings.set(assignments)) return error;
+    if (const auto inputs = run::read_inputs(settings.run); !inputs) return Error{inputs.error()};
+    if (!checked_.insert(decides_on_places(settings)).second) return std::nullopt;
     const auto drawn = draw(settings);
     return drawn ? std::nullopt : std::make_optional(Error{drawn.error()});
   }
@@ -165,6 +171,14 @@ class FaultWork final : public Work {
     return j;
   }
 
+  /// What mostly decides whether there is a place to draw from. To draw takes the run without a
+  /// fault, so one for each of these is enough; those of other settings come when the campaign
+  /// runs.
+  static std::string decides_on_places(const FaultSettings& settings) {
+    return fmt::format("{}\n{}\n{}", settings.run.coprocessor.backend.text(),
+                       settings.trial.units(), settings.trial.line());
+  }
+
   /// A fault, with the golden run and the folder of its states.
   struct DrawnFault {
     std::string place;
@@ -234,6 +248,8 @@ class FaultWork final : public Work {
 
   /// For golden runs, which all workers share.
   std::optional<host::TemporaryFolder> folder_;
+  std::set<std::string> checked_;  // decides_on_places() of those
+  FaultSettings settings_;  // of one run in turn: to declare them takes far longer than to set
 };
 
 }  // namespace
