@@ -1031,7 +1031,8 @@ regress.seed = [1, 2]
                 text = path.read_text().replace('"build/', f'"{BUILD}/')
                 if 'kind = "command"' in text:
                     text = self.without_its_command(path.read_text())
-                self.describe(text)
+                # To plan hundreds of thousands of runs takes its time; they differ in their seeds.
+                self.describe(re.sub(r"^count = \d{4,}$", "count = 10", text, flags=re.MULTILINE))
                 self.campaign("check", "d.toml")
         listed = subprocess.run(
             [CAPSOC, "regress", "--list"], capture_output=True, check=True, env=CLEAN
