@@ -8,9 +8,6 @@
 #define FOUND                                                                                 \
   (COPROCESSOR_FLAGS_PARITY_Msk | COPROCESSOR_FLAGS_MISFIT_Msk | COPROCESSOR_FLAGS_JUMP_Msk | \
    COPROCESSOR_FLAGS_MISSED_Msk)
-#define ALL_ON                                                                                   \
-  (COPROCESSOR_SAFETY_PARITY_Msk | COPROCESSOR_SAFETY_MISFIT_Msk | COPROCESSOR_SAFETY_JUMP_Msk | \
-   COPROCESSOR_SAFETY_MISSED_Msk)
 
 enum { largest_step_limit = 29, largest_error_limit = 31 };
 
@@ -110,10 +107,10 @@ static bool test_missed(void) {
 const char* coprocessor_safety_test(void) {
   const char* failed = NULL;
   coprocessor_reset();
-  COPROCESSOR->SAFETY = ALL_ON;
-  if (COPROCESSOR->SAFETY != ALL_ON || sample(0, 0) != 0)
+  COPROCESSOR->SAFETY = COPROCESSOR_SAFETY_ALL;
+  if (COPROCESSOR->SAFETY != COPROCESSOR_SAFETY_ALL || sample(0, 0) != 0)
     failed = "the coprocessor has no safety mechanisms, or finds a fault in a good sample";
-  else if (!test_parity(ALL_ON))
+  else if (!test_parity(COPROCESSOR_SAFETY_ALL))
     failed = "the test of the parity bits";
   else if (!test_error_limits())
     failed = "the test of the limit of the error";
@@ -132,14 +129,9 @@ static uint32_t room(uint32_t word) {
   return places;
 }
 
-void coprocessor_safety_begin_unlimited(void) {
-  COPROCESSOR->SAFETY = COPROCESSOR_SAFETY_PARITY_Msk | COPROCESSOR_SAFETY_MISSED_Msk;
-  COPROCESSOR->FLAGS = FOUND;
-}
-
-void coprocessor_safety_begin(uint32_t error, uint32_t step) {
+void coprocessor_safety_begin(uint32_t mechanisms, uint32_t error, uint32_t step) {
   const uint32_t shift = room(step);
   COPROCESSOR->SAFETY =
-      ALL_ON | limits(room(error), shift < largest_step_limit ? shift : largest_step_limit);
+      mechanisms | limits(room(error), shift < largest_step_limit ? shift : largest_step_limit);
   COPROCESSOR->FLAGS = FOUND;
 }

@@ -16,12 +16,15 @@ uint32_t coprocessor_safety_found(void);
 // Null, or a sentence about the first one that fails.
 const char* coprocessor_safety_test(void);
 
-// Switches on those without a limit, PARITY and MISSED: for coefficients that are still to be
-// learnt. Clears all flags of safety mechanisms. To be called between two samples.
-void coprocessor_safety_begin_unlimited(void);
+// Those that need no limit, and all: COPROCESSOR_SAFETY_PARITY_Msk, MISFIT, JUMP, MISSED.
+#define COPROCESSOR_SAFETY_WITHOUT_LIMITS \
+  (COPROCESSOR_SAFETY_PARITY_Msk | COPROCESSOR_SAFETY_MISSED_Msk)
+#define COPROCESSOR_SAFETY_ALL \
+  (COPROCESSOR_SAFETY_WITHOUT_LIMITS | COPROCESSOR_SAFETY_MISFIT_Msk | COPROCESSOR_SAFETY_JUMP_Msk)
 
-// Switches all on. Errors up to `error` (Q1.31) and steps up to `step` (2^-32 turn) are good; the
-// limits are the next powers of two. Clears their flags. To be called between two samples.
-void coprocessor_safety_begin(uint32_t error, uint32_t step);
+// Switches `mechanisms` on and the others off. Errors up to `error` (Q1.31) and steps up to `step`
+// (2^-32 turn) are good; the limits are the next powers of two. Clears their flags. To be called
+// between two samples.
+void coprocessor_safety_begin(uint32_t mechanisms, uint32_t error, uint32_t step);
 
 #endif

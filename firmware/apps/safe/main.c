@@ -111,12 +111,6 @@ static uint32_t step_noise(const struct judgement* judgement) {
   return residue < largest ? 3 * residue : 3 * largest;
 }
 
-// For a measurement of what each is worth. Its bits are those of SAFETY.
-static void leave_mechanisms_out(void) {
-  const uint32_t every = 15;
-  if (settings.mechanisms != every) COPROCESSOR->SAFETY &= ~(every & ~settings.mechanisms);
-}
-
 // The coprocessor's limits, from those of the program: an error of the angle moves a signal by no
 // more than its amplitude times the error's sine; what the samples' errors are anyway comes on top.
 static void limit_coprocessor(const struct coprocessor_parameters* p, uint32_t errors,
@@ -126,17 +120,22 @@ static void limit_coprocessor(const struct coprocessor_parameters* p, uint32_t e
   const uint32_t error = (uint32_t)(((int64_t)smaller * sine) >> 30);
   const int32_t speed = (int32_t)(coprocessor_frequency() >> 16);
   const uint32_t step = speed < 0 ? 0 - (uint32_t)speed : (uint32_t)speed;
-  coprocessor_safety_begin(error + errors, step + settings.step_deg + noise);
-  leave_mechanisms_out();
+  coprocessor_safety_begin(settings.mechanisms, error + errors, step + settings.step_deg + noise);
 }
 
 static void begin_without_limits(void) {
-  coprocessor_safety_begin_unlimited();
-  leave_mechanisms_out();
+  coprocessor_safety_begin(settings.mechanisms & COPROCESSOR_SAFETY_WITHOUT_LIMITS, 0, 0);
+}
+
+// Eight times the average error: a sine's largest value is 1.6 times its average, noise's rarely
+// six times. From half of full scale on any error is good.
+static uint32_t errors_while_learning(void) {
+  const uint32_t average = COPROCESSOR->ERROR_AVERAGE, half = UINT32_C(1) << 30;
+  return average < half / 8 ? 8 * average : 2 * half;
 }
 
 // While it learns. Without a lock any error and any step is good; with one the errors are also
-// those of coefficients that are not there yet, which go up to half as much again as their average.
+// those of coefficients that are not there yet.
 static bool watch_learning(const struct supervision* state) {
   watchdog_serve();
   if (settings.coprocessor_checks == 0) return true;
@@ -144,7 +143,7 @@ static bool watch_learning(const struct supervision* state) {
   if (state->locked_at == 0 || state->judgement.before == 0)
     begin_without_limits();
   else
-    limit_coprocessor(&state->judgement.parameters, 8 * COPROCESSOR->ERROR_AVERAGE,
+    limit_coprocessor(&state->judgement.parameters, errors_while_learning(),
                       step_noise(&state->judgement));
   return true;
 }
