@@ -185,10 +185,13 @@ def describe(line):
     return f"{parts.get('mode')} of {parts.get('port')}[{parts.get('portbit')}] at {where}"
 
 
-def runner(arguments, folder):
-    """Built from the sources as they are: an older one would judge by another stimulus."""
+def build_runner(arguments, folder):
+    """From the sources as they are: an older one would judge by another stimulus. Not in one of several workers."""
     if (arguments.build / "CMakeCache.txt").exists():
         run(["cmake", "--build", arguments.build, "--target", "run_mutants"], folder / "build.log")
+
+
+def runner(arguments):
     found = sorted(arguments.build.glob("**/run_mutants"))
     if not found:
         raise MutationError(f"run_mutants is missing; run: cmake --build {arguments.build} --target run_mutants")
@@ -200,7 +203,7 @@ def verdicts(library, arithmetic, numbers, arguments, edges, folder, known=None)
     its output.
     """
     command = [
-        runner(arguments, folder),
+        runner(arguments),
         library,
         arithmetic,
         numbers[-1],
@@ -280,8 +283,9 @@ def decide(arithmetic, library, mutants, numbers, arguments, folder):
 
 
 def prepare(arithmetic, arguments, folder):
-    """The list of the mutants and their library; of an earlier run if it is to be resumed."""
+    """The list of the mutants and their library; of an earlier run if it is to be resumed. Builds the runner, too."""
     folder.mkdir(parents=True, exist_ok=True)
+    build_runner(arguments, folder)
     files = sources(folder, arguments.rtl)
     listing, library = folder / "mutants.txt", folder / "mutants.so"
     if not (arguments.resume and library.exists()):

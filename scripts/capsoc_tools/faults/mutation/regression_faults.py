@@ -70,6 +70,7 @@ def main():
             if not faults:
                 continue
             library = build(arithmetic, faults, arguments)
+            mutation.build_runner(arguments, library.parent)
             found = mutation.verdicts(
                 library, arithmetic, range(1, len(faults) + 1), arguments, arguments.edges, library.parent
             )
