@@ -331,6 +331,16 @@ class Tool(Case):
         self.assertRegex(table("d.sqlite", "--by", "firmware.elf", "--only", "firmware.elf=safe"), r"(?m)^faults +12$")
         self.assertIn("its runs have no 'colour'", table("d.sqlite", "--by", "colour", code=2))
         self.assertIn("this is no store of a campaign", table("d.toml", code=2))
+        # Runs without a verdict are not left out in silence.
+        (self.folder / "e.toml").write_text(
+            'name = "e"\nkind = "fault"\nleast_yield = 0\n[settings]\nfault.units = "coprocessor"\n'
+            '[[axes]]\nfirmware.elf = ["safe", "hello"]\n[repetitions]\ncount = 1\nseeds = ["fault.seed"]\n'
+        )
+        output_of(CAPSOC, "campaign", "run", "e.toml", "--store", "e.sqlite", cwd=self.folder)
+        self.assertIn("the run without a fault ends at", table("e.sqlite", code=2))
+        (self.folder / "f.toml").write_text('name = "f"\n[settings]\nfirmware.elf = "hello"\n')
+        output_of(CAPSOC, "campaign", "run", "f.toml", "--store", "f.sqlite", cwd=self.folder)
+        self.assertIn("it is a campaign of another kind", table("f.sqlite", code=2))
 
     def test_metrics(self):
         (self.folder / "r.toml").write_text("[fit_per_bit]\ncoprocessor = 1e-4\nproc = 2e-3\n")

@@ -7,58 +7,30 @@ Counts, shares and 95 % intervals (Wilson) of each verdict; then, of the faults 
 degrees wrong, how many something had detected within 0, 1, 3, 10 and 5,000 samples. --silent lists the silent ones,
 each as a line that --inject takes. The stores of several descriptions are counted together.
 
-Status 0: the table was printed; 2: usage, a store that is none, or a setting that the store's runs do not have.
+Status 0: the table was printed; 2: usage, a store that is none, a run that ended without a verdict, or a setting that
+the store's runs do not have.
 """
 
 import argparse
 import collections
-import json
-import math
-import subprocess
 import sys
-import tempfile
 from pathlib import Path
 
 from capsoc_tools import ROOT as TOP
-from capsoc_tools.faults.fault_verdicts import CLEAN, INTERVALS, VERDICTS, wilson
+from capsoc_tools.faults.fault_verdicts import INTERVALS, VERDICTS, CampaignError, made_wrong, results_of, wilson
 
 BY = "coprocessor.backend,firmware.elf"
 
 
-class TableError(Exception):
-    """One sentence for the user."""
-
-
-def columns_of(store, build, file):
-    """The campaign's rows as lists, one for each key."""
-    done = subprocess.run(
-        [build / "capsoc", "campaign", "export", store, "--json", file, "--all"],
-        env=CLEAN,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    if done.returncode != 0:
-        raise TableError(done.stderr.strip().removeprefix("capsoc: "))
-    return json.loads(Path(file).read_text(encoding="utf-8"))
-
-
-def rows_of(stores, names, build):
-    """A dictionary for each run that ended with a verdict; a run out of time hangs."""
-    rows = []
-    with tempfile.TemporaryDirectory(prefix="capsoc-faults-") as folder:
-        for store in stores:
-            columns = columns_of(store, build, Path(folder) / "rows.json")
-            for name in [*names, "verdict"]:
-                if name not in columns:
-                    raise TableError(f"{store}: its runs have no '{name}'; an axis of the description, or a result")
-            for i, ending in enumerate(columns["ending"]):
-                row = {name: values[i] for name, values in columns.items()}
-                if ending == "out of time":
-                    row["verdict"] = "hung"
-                if row["verdict"] in VERDICTS:
-                    rows.append(row)
-    return rows
+def results_with(names, stores, build):
+    """The runs of all stores. CampaignError: they have none of that name."""
+    results = []
+    for store in stores:
+        results += results_of(build, store)
+        for name in names:
+            if results and name not in results[-1]:
+                raise CampaignError(f"{store}: its runs have no '{name}'; an axis of the description, or a result")
+    return results
 
 
 def short(value):
@@ -86,15 +58,13 @@ def share(hits, count):
 
 
 def wrong_of(rows, limit):
-    return [row for row in rows if (row["error_deg"] or 0) > limit or row["trusted_wrong_samples"]]
+    return [row for row in rows if made_wrong(row["error_deg"], row["trusted_wrong_samples"], limit)]
 
 
-def within(rows, most):
-    return sum(not missing(row["detected.after_samples"]) and row["detected.after_samples"] <= most for row in rows)
-
-
-def missing(value):
-    return value is None or (isinstance(value, float) and math.isnan(value))
+def within(wrong, most):
+    """How many of them something had detected by then."""
+    after = [row["detected.after_samples"] for row in wrong]
+    return share(sum(samples is not None and samples <= most for samples in after), len(wrong))
 
 
 def print_table(rows, options):
@@ -108,11 +78,7 @@ def print_table(rows, options):
         print_rows(verdict, groups, lambda rows: share(sum(row["verdict"] == verdict for row in rows), len(rows)))
     print_rows(f"off by > {options.limit:g} deg", groups, lambda rows: str(len(wrong_of(rows, options.limit))))
     for most in INTERVALS:
-        print_rows(f"  within {most} samples", groups, lambda rows: detected(wrong_of(rows, options.limit), most))
-
-
-def detected(wrong, most):
-    return share(within(wrong, most), len(wrong))
+        print_rows(f"  within {most} samples", groups, lambda rows: within(wrong_of(rows, options.limit), most))
 
 
 def options_of(words):
@@ -134,8 +100,9 @@ def options_of(words):
 def main():
     options = options_of(sys.argv[1:])
     try:
-        rows = rows_of(options.stores, [*options.by, *(name for name, _, _ in options.only)], options.build.resolve())
-    except TableError as error:
+        names = [*options.by, *(name for name, _, _ in options.only)]
+        rows = results_with(names, options.stores, options.build.resolve())
+    except CampaignError as error:
         print(f"fault_table: {error}", file=sys.stderr)
         return 2
     rows = [row for row in rows if all(short(row[name]) == value for name, _, value in options.only)]

@@ -77,33 +77,48 @@ def description(options):
     return "\n".join(lines) + "\n"
 
 
-def capsoc(options, *words):
-    """Its output; its own sentence and status end this."""
+class CampaignError(Exception):
+    """One sentence for the user."""
+
+
+def capsoc(build, *words):
+    """The output of `capsoc campaign`. CampaignError with its own sentence."""
     done = subprocess.run(
-        [options.build / "capsoc", "campaign", *map(str, words)], env=CLEAN, capture_output=True, text=True, check=False
+        [build / "capsoc", "campaign", *map(str, words)], env=CLEAN, capture_output=True, text=True, check=False
     )
     if done.returncode not in (0, 1):
-        raise SystemExit(f"fault_verdicts: {done.stderr.strip()}")
+        raise CampaignError(done.stderr.strip().removeprefix("capsoc: "))
     return done.stdout
 
 
-def rows_of(options, store):
-    """A row for each fault, with the keys of KEYS. A run that did not finish has its ending as the verdict."""
-    file = Path(f"{store}.json")
-    capsoc(options, "export", store, "--json", file, "--all")
-    columns = json.loads(file.read_text(encoding="utf-8"))
-    file.unlink()
-    rows = []
-    for i, ending in enumerate(columns["ending"]):
-        row = {name: columns[key][i] if key in columns else None for name, key in KEYS.items()}
+def results_of(build, store):
+    """A dictionary with all keys for each run of a store. A run out of time hangs. CampaignError: no verdict."""
+    with tempfile.TemporaryDirectory(prefix="capsoc-faults-") as folder:
+        file = Path(folder) / "rows.json"
+        capsoc(build, "export", store, "--json", file, "--all")
+        columns = json.loads(file.read_text(encoding="utf-8"))
+    results = [dict(zip(columns, values)) for values in zip(*columns.values())]
+    for result in results:
+        ending = result["ending"]
         if ending.startswith("refused: "):
-            raise SystemExit(f"fault_verdicts: {ending.removeprefix('refused: ')}")
+            raise CampaignError(ending.removeprefix("refused: "))
         if ending == "out of time":
-            row["verdict"] = "hung"
+            result["verdict"] = "hung"
         elif ending != "finished":
-            raise SystemExit(f"fault_verdicts: run {row['number']} {ending}")
-        rows.append(row)
-    return rows
+            raise CampaignError(f"{store}: run {result['run']} {ending}")
+        elif result.get("verdict") not in VERDICTS:
+            raise CampaignError(f"{store}: its runs have no verdict of a fault; it is a campaign of another kind")
+    return results
+
+
+def rows_of(options, store):
+    """A row for each fault, with the keys of KEYS."""
+    return [{name: result.get(key) for name, key in KEYS.items()} for result in results_of(options.build, store)]
+
+
+def made_wrong(error_deg, trusted, limit):
+    """An angle was off by more than the limit, or did not come."""
+    return (error_deg or 0) > limit or bool(trusted)
 
 
 def print_table(rows, options):
@@ -133,7 +148,7 @@ def print_table(rows, options):
 
 def print_coverage(rows, options):
     """Of the faults that make an angle wrong: how many something has detected by then."""
-    wrong = [row for row in rows if (row["largest_deg"] or 0) > options.limit or row["trusted"]]
+    wrong = [row for row in rows if made_wrong(row["largest_deg"], row["trusted"], options.limit)]
     if not wrong:
         return
     print(f"\nof {len(wrong)} faults that made an angle wrong, detected")
@@ -205,9 +220,12 @@ def main():
         file.write_text(description(options), encoding="utf-8")
         store = options.store or Path(folder) / "faults.sqlite"
         begin = time.monotonic()
-        capsoc(options, "run", file, "--store", store, "--jobs", options.jobs)
-        seconds = time.monotonic() - begin
-        rows = rows_of(options, store)
+        try:
+            capsoc(options.build, "run", file, "--store", store, "--jobs", options.jobs)
+            seconds = time.monotonic() - begin
+            rows = rows_of(options, store)
+        except CampaignError as error:
+            raise SystemExit(f"fault_verdicts: {error}") from None
     print_table(rows, options)
     if rates:
         print_metrics(rows, rates, bits, options)
