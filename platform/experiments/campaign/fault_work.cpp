@@ -57,11 +57,11 @@ struct FaultSettings {
     return std::nullopt;
   }
 
-  /// Of the first of its settings that was set.
+  /// Of the first of its settings that was set; of none, the name of the last one.
   std::string origin_of_span() const {
     for (const NumberField* field : {&trial.from_s, &trial.to_s, &trial.until_s})
       if (!field->is_built_in()) return field->about().origin;
-    return trial.from_s.about().origin;
+    return trial.until_s.about().path;
   }
 
   fault::Span span() const { return {trial.from_s(), trial.to_s(), trial.until_s()}; }
