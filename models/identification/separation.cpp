@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "identification/left_out.h"
+#include "identification/sensor_change.h"
 #include "identification/sentence.h"
 
 namespace capsoc::identification {
@@ -122,6 +123,8 @@ RobustFit separate(const Samples& samples, double resolution, const IdentifyOpti
   found.gates.push_back(std::move(outliers));
   if (found.rejected()) return robust;
   found.gates.push_back(check_left_out(samples, robust));
+  if (found.rejected()) return robust;
+  found.gates.push_back(check_change(samples, robust));
   if (found.rejected()) return robust;
   Gate distances = {"distances", robust.fit.converged, robust.fit.noise, HUGE_VAL, ""};
   if (!robust.fit.converged) {

@@ -156,6 +156,57 @@ TEST(HardRecords, ADeadZoneIsNoOutlier) {
   EXPECT_TRUE(has(identify(samples).value().rejection(), "dead zone"));
 }
 
+/// Which samples the gate "change" names; "" when it passed.
+std::string changed_samples(const Samples& samples) {
+  const auto found = identify(samples).value();
+  for (const Gate& gate : found.gates)
+    if (gate.name == "change") return gate.reason.substr(0, gate.reason.find(" follow"));
+  ADD_FAILURE() << found.rejection();
+  return "";
+}
+
+TEST(HardRecords, ASensorThatChangedForSomeTimeIsNoOutlier) {
+  const auto theta = [](auto i) { return 2 * pi * static_cast<double>(i) / 197; };
+  for (const double noise : {0.0, 1e-4}) {
+    for (const Eigen::Index first : {Eigen::Index{0}, Eigen::Index{2600}, Eigen::Index{4700}}) {
+      Parameters offset = usual_sensor, gain = usual_sensor, phase = usual_sensor;
+      offset.b1 += 0.02;
+      gain.a2 *= 1.05;
+      phase.beta += 0.05;
+      for (const Parameters& other : {offset, gain, phase}) {
+        Samples samples = taken_at(usual_sensor, 5000, noise, 5, theta);
+        const Samples after = taken_at(other, 5000, noise, 5, theta);
+        samples.u.segment(first, 300) = after.u.segment(first, 300);
+        samples.v.segment(first, 300) = after.v.segment(first, 300);
+        const std::string named = changed_samples(samples);
+        double from = -1, to = -1;
+        ASSERT_EQ(std::sscanf(named.c_str(), "samples %lf to %lf", &from, &to), 2)
+            << "noise " << noise << ", from " << first;
+        EXPECT_NEAR(from, static_cast<double>(first), 25) << "an eighth of a turn";
+        EXPECT_NEAR(to, static_cast<double>(first) + 299, 25);
+      }
+    }
+  }
+}
+
+TEST(HardRecords, DisturbancesAreNoChangeOfTheSensor) {
+  const auto theta = [](auto i) { return 2 * pi * static_cast<double>(i) / 197; };
+  Random random(11);
+  // Spikes anywhere, a burst that scatters, a signal that is lost.
+  for (int k = 0; k < 10; ++k) {
+    Samples spikes = taken_at(usual_sensor, 5000, 1e-4, 5, theta), burst = spikes, lost = spikes;
+    for (Eigen::Index i = 0; i < 5000; ++i)
+      if (random.uniform() < 0.05) spikes.u[i] += 0.02;
+    EXPECT_EQ(changed_samples(spikes), "");
+    const auto first = static_cast<Eigen::Index>(4800 * random.uniform());
+    for (Eigen::Index i = first; i < first + 150; ++i) burst.v[i] += 0.05 * normal(random);
+    EXPECT_EQ(changed_samples(burst), "") << "seed 11, " << k;
+    lost.u.segment(first, 150) = 0.01;
+    lost.v.segment(first, 150) = -0.01;
+    EXPECT_EQ(changed_samples(lost), "");
+  }
+}
+
 TEST(HardRecords, AnArcIsJudgedByItsBound) {
   const auto swing = [](double degrees, double noise) {
     return identify(taken_at(usual_sensor, 20000, noise, 7,
