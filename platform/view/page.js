@@ -436,7 +436,7 @@ $("send").onsubmit = (event) => {
 };
 $("inject").onsubmit = (event) => { event.preventDefault(); tell("fault", {fault: $("fault").value}); };
 $("faults").replaceChildren(...["flip coprocessor.cv[39]", "flip cpu.sp[5]", "flip mem:0x20000000[3]", "flip COPROCESSOR.STEP_AU[3]",
-  "freeze sin for 2", "stuck1 cos[30] for 2", "lose sample for 0.1", "lose irq coprocessor", "raise irq 3"].map((fault) => new Option(fault)));
+  "freeze sin for 2", "stuck1 cos[30] for 2", "lose sample for 0.1", "lose clock for 0.1", "lose irq coprocessor", "raise irq 3"].map((fault) => new Option(fault)));
 for (const [key, label, step] of FIELDS) {
   const line = document.createElement("label"), input = document.createElement("input");
   Object.assign(input, {type: "number", step: "any", name: key});

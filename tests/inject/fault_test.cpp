@@ -21,15 +21,26 @@ std::string refused(const std::string& line) {
 }
 
 TEST(Fault, EveryFormIsReadAndPrintedTheSame) {
-  for (const char* line :
-       {"flip cpu.r3[5] at 0.25s", "stuck1 COPROCESSOR.A1[3] at sample 1000 for 0.1s",
-        "stuck0 mem:table[2]+8[0] at instruction 123456", "flip mem:0x20000100[7] at cycle 99",
-        "lose sample at sample 500", "lose sample at 1s for 0.5s", "double sample at cycle 1",
-        "freeze sin at sample 7 for 1e-06s", "freeze cos at 0s", "lose irq coprocessor at 0.5s",
-        "raise irq 12 at cycle 99", "flip rtl.u_q[7] at sample 500 cycle 40",
-        "flip read COPROCESSOR.ANGLE[3] at 1s", "stuck0 write ADC.PERIOD[0] at 1s for 2s",
-        "lose write COPROCESSOR.CTRL at sample 3", "lose write ADC.CTRL at 1s for 0.5s",
-        "fail read ADC.FLAGS at cycle 3", "fail write UART0.DATA at 0s"})
+  for (const char* line : {"flip cpu.r3[5] at 0.25s",
+                           "stuck1 COPROCESSOR.A1[3] at sample 1000 for 0.1s",
+                           "stuck0 mem:table[2]+8[0] at instruction 123456",
+                           "flip mem:0x20000100[7] at cycle 99",
+                           "lose sample at sample 500",
+                           "lose sample at 1s for 0.5s",
+                           "double sample at cycle 1",
+                           "freeze sin at sample 7 for 1e-06s",
+                           "freeze cos at 0s",
+                           "lose irq coprocessor at 0.5s",
+                           "raise irq 12 at cycle 99",
+                           "flip rtl.u_q[7] at sample 500 cycle 40",
+                           "flip read COPROCESSOR.ANGLE[3] at 1s",
+                           "stuck0 write ADC.PERIOD[0] at 1s for 2s",
+                           "lose write COPROCESSOR.CTRL at sample 3",
+                           "lose write ADC.CTRL at 1s for 0.5s",
+                           "fail read ADC.FLAGS at cycle 3",
+                           "fail write UART0.DATA at 0s",
+                           "lose clock at sample 3 cycle 40",
+                           "lose clock at 1s for 0.5s"})
     EXPECT_EQ(to_text(parsed(line)), line);
 }
 

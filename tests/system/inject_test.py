@@ -81,6 +81,8 @@ class Instant(InjectCase):
         "stuck1 read UART0.STATE[7] at instruction 1000 for 0.01s",
         "stuck0 read COPROCESSOR.STATUS[31] at instruction 100000",
         "flip read COPROCESSOR.TURN_FLAGS[3] at cycle 15000000",
+        "lose clock at sample 170 cycle 40",
+        "lose clock at 0.7s for 0.0101s",
     )
 
     def test_quantum_executor_and_observers_change_nothing(self):
@@ -142,6 +144,22 @@ class Kinds(InjectCase):
         flipped = self.result_of(faults=["flip sin[31] at sample 100"])[0]
         self.assertEqual(flipped["faults"][0]["before"] ^ flipped["faults"][0]["after"], 1 << 31)
         self.assertNotEqual(flipped["angle_error_deg"], whole["angle_error_deg"])
+
+    def test_the_clock(self):
+        """A lost edge of a computation makes its result one clock later and changes no state; without a clock there are
+        no results, and what is written is lost. Model and RTL are the same."""
+        golden = self.result_of()
+        one, state, said = self.result_of(faults=["lose clock at sample 50 cycle 40"])
+        self.assertEqual(one.pop("faults")[0]["changes"], 1)
+        self.assertEqual((state, said), golden[1:])
+        lost = "lose clock at 0.3s for 0.0399s"
+        stopped = self.result_of(faults=[lost])
+        self.assertEqual(stopped[0]["faults"][0]["changes"], 1)
+        self.assertGreater(stopped[0]["cpu"]["cycles"], golden[0]["cpu"]["cycles"])
+        self.assertEqual(
+            self.result_of("--coprocessor", "lockstep", faults=[lost, "lose clock at sample 33 cycle 9"])[1:],
+            self.result_of(faults=[lost, "lose clock at sample 33 cycle 9"])[1:],
+        )
 
     def test_a_stuck_bit_is_set_again_whenever_it_is_written(self):
         """Each of the 50 results in 0.2 s adds 1 to an even number."""

@@ -15,7 +15,7 @@ CoprocessorTlm::CoprocessorTlm(const sc_core::sc_module_name& name, kit::ClockDo
     : RegisterTarget(name, registers::coprocessor::block_size, kit::AccessRule::word_only),
       clock_(clock),
       device_(std::move(device)) {
-  clock_.on_change([this] { follow(); });
+  clock.on_change([this] { follow(); });
   sc_core::sc_spawn_options method;
   method.spawn_method();
   method.dont_initialize();
@@ -31,6 +31,7 @@ CoprocessorTlm::CoprocessorTlm(const sc_core::sc_module_name& name, kit::ClockDo
 // simulated time, where it waits: no sample and no access is lost.
 void CoprocessorTlm::sample(const peripherals::SensorSample& sample) {
   catch_up();
+  if (clock_.is_stopped()) return samples(clock_.domain_cycle(interval_ + 1), false, sample.number);
   if (sample_) run_to(interval_ + 1);
   sample_ = sample;
   follow();
@@ -48,6 +49,41 @@ void CoprocessorTlm::reset() {
 
 void CoprocessorTlm::catch_up() {
   run_to(clock_.cycles_at(access_time()));
+  if (!clock_.is_behind() || clock_.is_stopped() || waiting() || !device_->idle()) return;
+  clock_.catch_up();
+  run_to(clock_.cycles_at(access_time()));
+}
+
+/// What is on the pins at an edge that does not come.
+void CoprocessorTlm::drop_inputs() {
+  if (sample_) samples(clock_.domain_cycle(interval_ + 1), false, sample_->number);
+  sample_.reset();
+  write_.reset();
+}
+
+void CoprocessorTlm::lose_clock_edge() {
+  catch_up();
+  drop_inputs();
+  clock_.lose_edge();
+  follow();
+}
+
+void CoprocessorTlm::stop_clock() {
+  catch_up();
+  drop_inputs();
+  clock_.stop(sc_core::sc_time_stamp());
+  follow();
+}
+
+void CoprocessorTlm::start_clock() {
+  clock_.start(sc_core::sc_time_stamp());
+  follow();
+}
+
+bool CoprocessorTlm::is_behind_clock() {
+  catch_up();
+  follow();
+  return clock_.is_behind();
 }
 
 // Event by event, so that the observer misses no sample even when an access comes first in an
@@ -75,7 +111,7 @@ void CoprocessorTlm::pass(uint64_t edge) {
   const Nodes& nodes = device_->nodes();
   const bool result = nodes.commits > commits_;
   commits_ = nodes.commits;
-  if (result) results(edge, nodes, number_of(nodes));
+  if (result) results(clock_.domain_cycle(edge), nodes, number_of(nodes));
 }
 
 void CoprocessorTlm::take(uint64_t edge) {
@@ -87,7 +123,7 @@ void CoprocessorTlm::take(uint64_t edge) {
     if (taken_.size() == 1 + stage_count) taken_.pop_front();
     taken_.push_back({edge, sample.number});
   }
-  samples(edge, latched, sample.number);
+  samples(clock_.domain_cycle(edge), latched, sample.number);
 }
 
 /// Results come in the order of their samples.
@@ -110,16 +146,18 @@ void CoprocessorTlm::follow() {
   event_.cancel();
   std::optional<uint64_t> next = device_->next_event();
   if (waiting()) next = interval_ + 1;
-  if (!next) return;
+  if (!next || clock_.is_stopped()) return;
   const sc_core::sc_time now = sc_core::sc_time_stamp();
   const sc_core::sc_time due = clock_.time_of(*next);
   event_.notify(due > now ? due - now : sc_core::SC_ZERO_TIME);
 }
 
 bool CoprocessorTlm::read_word(uint32_t offset, uint32_t& value, bool debug) {
-  if (!debug) begin_access();
-  const RegisterAccess result = device_->read(interval_, offset, debug);
-  if (!debug) follow();
+  // Without a clock nothing latches what the bus reads.
+  const bool latches = !debug && !clock_.is_stopped();
+  if (latches) begin_access();
+  const RegisterAccess result = device_->read(interval_, offset, !latches);
+  if (latches) follow();
   value = result.value;
   if (!result.ok && !debug) report(fmt::format("read at 0x{:03x}, where no register is", offset));
   return result.ok;
@@ -128,10 +166,12 @@ bool CoprocessorTlm::read_word(uint32_t offset, uint32_t& value, bool debug) {
 // Whether a write is answered with an error depends on its address alone, so the answer need not
 // wait for the edge.
 bool CoprocessorTlm::write_word(uint32_t offset, uint32_t value, uint32_t /*lanes: always all*/) {
-  begin_access();
   const bool mapped = is_register(offset);
-  write_ = Write{offset, value};
-  follow();
+  if (!clock_.is_stopped()) {
+    begin_access();
+    write_ = Write{offset, value};
+    follow();
+  }
   if (!mapped) {
     report(fmt::format("write of 0x{:08x} at 0x{:03x}, where no register is", value, offset));
   } else if (const auto complaint = write_complaint(offset, value); !complaint.empty()) {
@@ -154,6 +194,7 @@ bool CoprocessorTlm::change_idle(const Device::IdleChange& change) {
 }
 
 void CoprocessorTlm::visit(Archive& archive) {
+  if (archive.loading()) clock_.forget_faults();
   // Idle, it is the same whatever device is here; in between every device has its own.
   IdleState state;
   bool idle = device_->save_idle(state);

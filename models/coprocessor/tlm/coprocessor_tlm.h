@@ -10,6 +10,7 @@
 
 #include "coprocessor/coprocessor.h"
 #include "coprocessor/device.h"
+#include "coprocessor/tlm/device_clock.h"
 #include "kit/clock_domain.h"
 #include "kit/interrupt_line.h"
 #include "kit/probe.h"
@@ -60,6 +61,15 @@ class CoprocessorTlm : public kit::RegisterTarget {
   /// event and drives the interrupt line.
   void device_changed() { follow(); }
 
+  /// Faults of the clock, at the present instant. lose_clock_edge(): the next edge does not come.
+  /// stop_clock(): none comes until start_clock(); stops may be nested. A sample or a write that is
+  /// on the pins at an edge that does not come is lost; reads show the state as it stands.
+  void lose_clock_edge();
+  void stop_clock();
+  void start_clock();
+  /// Whether results still come later than without such a fault: until the pipeline is empty.
+  bool is_behind_clock();
+
   /// When the pipeline may be empty and nothing waits at the pins: to be asked again then. Nothing:
   /// it is so now.
   std::optional<sc_core::sc_time> quiet_at() const;
@@ -94,8 +104,9 @@ class CoprocessorTlm : public kit::RegisterTarget {
   void begin_access();
   void follow();
   bool waiting() const { return sample_ || write_; }
+  void drop_inputs();
 
-  kit::ClockDomain& clock_;
+  DeviceClock clock_;
   std::unique_ptr<Device> device_;
   uint64_t interval_ = 0;  // the device has passed this edge; never goes back
   // What acts at edge interval_ + 1.

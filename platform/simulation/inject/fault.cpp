@@ -20,8 +20,8 @@ constexpr const char* form =
     "write WHAT PLACE at WHEN [for SECONDS], for instance flip cpu.r3[5] at 0.25s";
 constexpr const char* kinds =
     "flip, stuck0 or stuck1 PLACE[BIT], read REGISTER[BIT] or write REGISTER[BIT]; lose or double "
-    "sample; freeze sin or cos; lose or raise irq NAME; lose write REGISTER; fail read or write "
-    "REGISTER";
+    "sample; freeze sin or cos; lose clock, irq NAME, write REGISTER; raise irq NAME; fail read "
+    "or write REGISTER";
 constexpr const char* times = "write 0.25s, cycle N, instruction N, sample N or sample N cycle M";
 
 struct NamedKind {
@@ -29,11 +29,12 @@ struct NamedKind {
   const char* object;  ///< the word that follows; null: a place with a bit
   Kind kind;
 };
-constexpr std::array<NamedKind, 12> named_kinds = {{{"flip", nullptr, Kind::flip},
+constexpr std::array<NamedKind, 13> named_kinds = {{{"flip", nullptr, Kind::flip},
                                                     {"stuck0", nullptr, Kind::stuck0},
                                                     {"stuck1", nullptr, Kind::stuck1},
                                                     {"lose", "sample", Kind::lose_sample},
                                                     {"double", "sample", Kind::double_sample},
+                                                    {"lose", "clock", Kind::lose_clock},
                                                     {"freeze", "sin", Kind::freeze},
                                                     {"freeze", "cos", Kind::freeze},
                                                     {"lose", "irq", Kind::lose_interrupt},
@@ -209,6 +210,8 @@ std::string object_text(const Fault& fault) {
       return "lose sample";
     case Kind::double_sample:
       return "double sample";
+    case Kind::lose_clock:
+      return "lose clock";
     case Kind::freeze:
       return "freeze " + fault.place;
     case Kind::lose_interrupt:

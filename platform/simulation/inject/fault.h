@@ -5,6 +5,7 @@
 //   flip rtl.u_datapath.u_q[7] at sample 500 cycle 40
 //   lose sample at sample 500               sample, irq NAME
 //   double sample at sample 500
+//   lose clock at 1s for 0.01s
 //   freeze sin at sample 500 for 0.1s       sin, cos
 //   raise irq 12 at cycle 99
 //   flip read COPROCESSOR.ANGLE[3] at 1s    the word of the next read, on its way
@@ -36,6 +37,7 @@ struct Fault {
     stuck1,
     lose_sample,
     double_sample,
+    lose_clock,
     freeze,
     lose_interrupt,
     raise_interrupt,

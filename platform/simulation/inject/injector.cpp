@@ -103,6 +103,10 @@ std::optional<Error> Injector::place(const Places& places, Injected& injected) {
   Fault& fault = injected.fault;
   if (BusFaults::takes(fault)) return accesses_.add(injected, places);
   if (SampleFaults::takes(fault)) return samples_.add(injected);
+  if (ClockFaults::takes(fault)) {
+    clock_.add(injected);
+    return std::nullopt;
+  }
   if (fault.kind == Fault::Kind::lose_interrupt) return interrupts_.add(injected);
   if (fault.kind == Fault::Kind::raise_interrupt) {
     const auto line = interrupt_line(fault.place);
@@ -218,13 +222,20 @@ sc_core::sc_time Injector::next_of(const Bit& bit) const {
 }
 
 sc_core::sc_time Injector::next() const {
-  sc_core::sc_time soonest = sc_core::sc_max_time();
+  sc_core::sc_time soonest = clock_.next();
   for (const Bit& bit : bits_) soonest = std::min(soonest, next_of(bit));
   for (const Injected* injected : raised_)
     if (!injected->is_over) soonest = std::min(soonest, time_of(*injected));
-  for (const Injected* injected : accesses_.waiting())
-    soonest = std::min(soonest, time_of(*injected));
+  for (const Injected* injected : waiting()) soonest = std::min(soonest, time_of(*injected));
   return soonest;
+}
+
+/// Those of accesses and of the clock that have not begun.
+std::vector<const Injected*> Injector::waiting() const {
+  std::vector<const Injected*> all = accesses_.waiting();
+  const std::vector<const Injected*> more = clock_.waiting();
+  all.insert(all.end(), more.begin(), more.end());
+  return all;
 }
 
 void Injector::apply(Bit& bit) {
@@ -276,6 +287,7 @@ sc_core::sc_time Injector::pause(const sc_core::sc_time& now) {
   for (Injected* injected : raised_)
     if (!injected->is_over && position_.reached(injected->fault.when)) raise(*injected);
   accesses_.pause();
+  clock_.pause(now);
   watch_instructions();
   return next();
 }
@@ -288,7 +300,7 @@ bool Injector::wants_instructions() const {
     return !injected.is_over && !injected.outcome.applied && when.unit == When::Unit::instruction &&
            when.value <= done + stepped;
   };
-  const std::vector<const Injected*> waiting = accesses_.waiting();
+  const std::vector<const Injected*> waiting = this->waiting();
   return std::any_of(
              bits_.begin(), bits_.end(),
              [&](const Bit& bit) {

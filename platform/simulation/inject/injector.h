@@ -10,6 +10,7 @@
 #include "base/archive.h"
 #include "base/result.h"
 #include "inject/bus_faults.h"
+#include "inject/clock_faults.h"
 #include "inject/fault.h"
 #include "inject/inject_settings.h"
 #include "inject/places.h"
@@ -87,6 +88,7 @@ class Injector {
   void release(Bit& bit, const sc_core::sc_time& now);
   sc_core::sc_time time_of(const Injected& injected) const;
   sc_core::sc_time next_of(const Bit& bit) const;
+  std::vector<const Injected*> waiting() const;
   bool wants_instructions() const;
   void watch_instructions();
   void retired();
@@ -101,6 +103,7 @@ class Injector {
   SampleFaults samples_{position_};
   InterruptFaults interrupts_{position_};
   BusFaults accesses_{position_};
+  ClockFaults clock_{position_};
   std::unique_ptr<Watch> watch_;
   bool is_watching_ = false;
   std::vector<kit::Listening> listening_;
