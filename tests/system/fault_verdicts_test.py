@@ -155,6 +155,18 @@ class Rows(FaultCase):
                     self.assertEqual(one[name], other[name], name)
         self.assertGreater(left_out, 10)
 
+    def test_memory_that_the_processor_does_not_use_is_not_simulated(self):
+        units = 'fault.units = "code_sram,data_sram"\n'
+        pruned = self.results(60, units)
+        (self.folder / "2.sqlite").unlink()
+        simulated = self.results(60, units + "fault.prune = false")
+        left_out = [row for row in pruned if row.get("not_simulated") is not None]
+        self.assertTrue(all("does not use the word" in row["not_simulated"] for row in left_out))
+        self.assertGreater(len(left_out), 30)
+        self.assertLess(len(left_out), 60)
+        for one, other in zip(pruned, simulated):
+            self.assertEqual((one["fault.line"], one["verdict"]), (other["fault.line"], other["verdict"]))
+
     def test_a_table_that_is_read_later_is_simulated(self):
         """The program sets CTRL.CORRECT after the last look at the state."""
         settings = f'firmware.elf = "{FIRMWARE}/harmonics.elf"\nfault.from_s = 300\n'

@@ -140,7 +140,7 @@ class FaultWork final : public Work {
     if (settings.trial.prune() && settings.trial.line.empty() &&
         settings.trial.kind() == inject::Fault::Kind::flip) {
       fault::Outcome latent;
-      latent.not_simulated = fault::reason_not_read(chosen.place, golden.unread);
+      latent.not_simulated = fault::reason_not_read(chosen.place, chosen.bit, golden.unread);
       if (!latent.not_simulated.empty()) return latent;
     }
     auto state = fault::read_state(place, chosen.start);

@@ -40,7 +40,7 @@ class Recorder {
     if (auto error = advance(span_.from_s)) return *error;
     const SampleResults results(simulation_,
                                 [this](const SampleResult& r) { golden_.results.push_back(r); });
-    const UnreadWatch watch(simulation_);
+    const UnreadWatch watch(simulation_, golden_.places);
     if (auto error = look_and_begin()) return *error;
     if (auto error = simulation_.advance_to_end()) return *error;
     golden_.unread = watch.unread();
