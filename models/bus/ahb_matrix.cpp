@@ -79,7 +79,13 @@ Decoded AhbMatrix::decode(uint64_t address) const {
 
 void AhbMatrix::b_transport(int id, tlm::tlm_generic_payload& payload, sc_core::sc_time& delay) {
   if (id >= first_master) return transfer_of_master(payload, delay);
-  if (!transfers.watched()) return transfer(payload, delay);
+  if (!transfers.watched()) {
+    const uint64_t on_bus = payload.get_address();
+    transfer(payload, delay);
+    auto* const route = payload.get_extension<kit::DirectRoute>();
+    if (route != nullptr && route->target != nullptr) describe_route(*route, on_bus, id);
+    return;
+  }
   auto* const write = payload.get_extension<kit::EarlyWrite>();
   if (write != nullptr && write->early) {
     write->taken = false;
@@ -93,6 +99,17 @@ void AhbMatrix::b_transport(int id, tlm::tlm_generic_payload& payload, sc_core::
   if (auto* const told = payload.get_extension<kit::SteadyRead>())
     told->steady = told->ahead = false;
   if (write != nullptr) write->taken = false;
+}
+
+/// The processor's way through here, which is no longer than a word (kit::DirectRoute).
+void AhbMatrix::describe_route(kit::DirectRoute& route, uint64_t address, int id) {
+  const Decoded at = decode(address);
+  if (at.entry == nullptr || route.transfers != nullptr) return route.clear();
+  TargetSocket& socket = id == 0 ? i_code : id == 1 ? d_code : system;
+  const unsigned waits = at.entry->bus == BusKind::ahb ? at.entry->wait_states : 0;
+  route.extend(ports_[port_of_entry_[at.index]].socket->operator->(),
+               socket.get_base_export().operator->(), waits);
+  route.transfers = &transfers;
 }
 
 void AhbMatrix::transfer_of_master(tlm::tlm_generic_payload& payload, sc_core::sc_time& delay) {

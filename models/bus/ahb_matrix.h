@@ -14,6 +14,7 @@
 
 #include "bus/address_decoder.h"
 #include "kit/clock_domain.h"
+#include "kit/direct_route.h"
 #include "kit/probe.h"
 
 namespace capsoc::bus {
@@ -51,8 +52,7 @@ class AhbMatrix : public sc_core::sc_module {
   /// Notifies of each transfer that was answered, except debug access and direct memory. Arguments:
   /// the payload as it goes back, with the address on the bus and no extensions; begin and end of
   /// the transfer, relative to now.
-  kit::Probe<const tlm::tlm_generic_payload&, const sc_core::sc_time&, const sc_core::sc_time&>
-      transfers;
+  kit::TransferProbe transfers;
 
   /// Adds a target socket for a further master, to be bound like the three of the processor. It is
   /// in a module of that name, a child of the module under construction. Call before the
@@ -89,6 +89,7 @@ class AhbMatrix : public sc_core::sc_module {
   template <typename Call>
   void each_alias(std::size_t port, uint64_t start, uint64_t end, const Call& call);
   void transfer(tlm::tlm_generic_payload& payload, sc_core::sc_time& delay);
+  void describe_route(kit::DirectRoute& route, uint64_t address, int id);
   void b_transport(int id, tlm::tlm_generic_payload& payload, sc_core::sc_time& delay);
   void show(const tlm::tlm_generic_payload& payload, uint64_t address,
             const sc_core::sc_time& begin, const sc_core::sc_time& end) const;

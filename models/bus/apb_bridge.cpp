@@ -6,6 +6,7 @@
 
 #include "bus/payload.h"
 #include "bus/wait_states.h"
+#include "kit/direct_route.h"
 #include "kit/early_write.h"
 #include "kit/steady_read.h"
 
@@ -72,12 +73,14 @@ class ApbBridge::Transfer {
     }
     prepare(*payload_, of.get_command(), address, data);
     payload_->set_extension(of.get_extension<kit::SteadyRead>());
-    if (of.get_data_length() <= word)  // of a burst, what came before would be done
-      payload_->set_extension(of.get_extension<kit::EarlyWrite>());
+    if (of.get_data_length() > word) return;  // of a burst, what came before would be done
+    payload_->set_extension(of.get_extension<kit::EarlyWrite>());
+    payload_->set_extension(of.get_extension<kit::DirectRoute>());
   }
   ~Transfer() {
     payload_->clear_extension<kit::SteadyRead>();  // they are the initiator's
     payload_->clear_extension<kit::EarlyWrite>();
+    payload_->clear_extension<kit::DirectRoute>();
     payload_->set_byte_enable_ptr(nullptr);
     spare_.push_back(std::move(payload_));
   }
@@ -142,6 +145,13 @@ tlm::tlm_response_status ApbBridge::transfer(tlm::tlm_generic_payload& payload,
   return tlm::TLM_OK_RESPONSE;
 }
 
+void ApbBridge::describe_route(tlm::tlm_generic_payload& transfer, const Decoded& at) {
+  auto* const route = transfer.get_extension<kit::DirectRoute>();
+  if (route == nullptr || route->target == nullptr) return;
+  route->extend(ports_[port_of_entry_[at.index]].socket->operator->(),
+                socket.get_base_export().operator->(), apb_transfer_cycles + at.entry->wait_states);
+}
+
 /// What nearly all transfers are: a word with all its bytes.
 tlm::tlm_response_status ApbBridge::transfer_plain(tlm::tlm_generic_payload& payload,
                                                    const Decoded& at, sc_core::sc_time& delay) {
@@ -151,6 +161,7 @@ tlm::tlm_response_status ApbBridge::transfer_plain(tlm::tlm_generic_payload& pay
   (*ports_[port_of_entry_[at.index]].socket)->b_transport(*transfer, delay);
   add_cycles(clock_, apb_transfer_cycles + at.entry->wait_states, delay);
   if (!transfer->is_response_ok()) return as_on_ahb(transfer->get_response_status());
+  describe_route(*transfer, at);
   if (payload.is_read()) std::copy_n(data.data(), word, payload.get_data_ptr());
   return tlm::TLM_OK_RESPONSE;
 }
@@ -179,6 +190,7 @@ tlm::tlm_response_status ApbBridge::transfer_word(tlm::tlm_generic_payload& payl
   (*ports_[port_of_entry_[at.index]].socket)->b_transport(*transfer, delay);
   add_cycles(clock_, apb_transfer_cycles + at.entry->wait_states, delay);
   if (!transfer->is_response_ok()) return as_on_ahb(transfer->get_response_status());
+  describe_route(*transfer, at);
   if (payload.is_read())
     for (unsigned lane = 0; lane < word; ++lane)
       if (strobes[lane] == TLM_BYTE_ENABLED) payload.get_data_ptr()[source[lane]] = data[lane];

@@ -61,6 +61,7 @@ class ApbBridge : public sc_core::sc_module {
   };
 
   class Transfer;
+  void describe_route(tlm::tlm_generic_payload& transfer, const Decoded& at);
 
   void b_transport(tlm::tlm_generic_payload& payload, sc_core::sc_time& delay);
   tlm::tlm_response_status transfer(tlm::tlm_generic_payload& payload, sc_core::sc_time& delay);

@@ -21,6 +21,8 @@ ClockDomain::ClockDomain(uint64_t hz)
 /// device.
 void ClockDomain::take_frequency(uint64_t hz) {
   frequency_hz_ = hz == 0 ? 1 : hz;
+  latest_ticks_ = epoch_ticks_;
+  latest_cycle_ = epoch_cycle_;
   whole_period_ = ticks_per_second_ % frequency_hz_ == 0 ? ticks_per_second_ / frequency_hz_ : 0;
   for (uint64_t n = 0; n < durations_.size(); ++n)
     durations_[n] = sc_core::sc_time::from_value(n * whole_period_);
@@ -37,8 +39,11 @@ sc_core::sc_time ClockDomain::time_of(uint64_t cycle) const {
   if (cycle <= epoch_cycle_) return sc_core::sc_time::from_value(epoch_ticks_);
   if (uint64_t ticks = 0; whole_period_ != 0 &&
                           !__builtin_mul_overflow(cycle - epoch_cycle_, whole_period_, &ticks) &&
-                          !__builtin_add_overflow(ticks, epoch_ticks_, &ticks))
+                          !__builtin_add_overflow(ticks, epoch_ticks_, &ticks)) {
+    latest_ticks_ = ticks;
+    latest_cycle_ = cycle;
     return sc_core::sc_time::from_value(ticks);
+  }
   const Wide ticks =
       (Wide{cycle - epoch_cycle_} * ticks_per_second_ + frequency_hz_ - 1) / frequency_hz_ +
       epoch_ticks_;

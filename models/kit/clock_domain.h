@@ -64,6 +64,9 @@ class ClockDomain {
   uint64_t epoch_ticks_ = 0;
   uint64_t epoch_cycle_ = 0;
   std::array<sc_core::sc_time, 8> durations_;  // of whole periods
+  // An edge and its instant, the last that time_of() was asked for: a device asks for the number of
+  // the edge at which it is accessed.
+  mutable uint64_t latest_ticks_ = 0, latest_cycle_ = 0;
   std::vector<std::function<void()>> listeners_;
 };
 
@@ -79,7 +82,7 @@ inline uint64_t ClockDomain::edge_at(uint64_t ticks) const {
 }
 
 inline uint64_t ClockDomain::cycles_at(const sc_core::sc_time& time) const {
-  return edge_at(time.value());
+  return time.value() == latest_ticks_ ? latest_cycle_ : edge_at(time.value());
 }
 
 /// The edge after the last edge before `time`.

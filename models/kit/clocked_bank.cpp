@@ -15,6 +15,7 @@ void ClockedBank::plan() {
   const uint64_t next = next_change();
   if (next == planned_) return;
   planned_ = next;
+  note_event();
   event_.cancel();
   if (next == never) return;
   const sc_core::sc_time at = clock_.time_of(next);

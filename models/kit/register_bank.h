@@ -107,6 +107,7 @@ class RegisterBank : public RegisterTarget {
   bool read_word(uint32_t offset, uint32_t& value, bool debug) override;
   bool write_word(uint32_t offset, uint32_t value, uint32_t lanes) override;
   bool is_steady(uint32_t offset) const override;
+  bool is_direct(uint32_t offset) const override { return by_word_[offset / 4] != nullptr; }
   /// True if there is a register whose reads have no side effects.
   bool has_plain_read(uint32_t offset) const;
 

@@ -4,6 +4,7 @@
 
 #include <cstring>
 
+#include "kit/direct_route.h"
 #include "kit/early_write.h"
 #include "kit/guest_error.h"
 #include "kit/steady_read.h"
@@ -85,6 +86,30 @@ tlm::tlm_response_status RegisterTarget::check(const tlm::tlm_generic_payload& p
   return tlm::TLM_OK_RESPONSE;
 }
 
+/// Of an access that was answered.
+void RegisterTarget::describe_route(tlm::tlm_generic_payload& payload, uint32_t offset) {
+  auto* const route = payload.get_extension<DirectRoute>();
+  if (route != nullptr && is_direct(offset))
+    route->begin(*this, offset, socket.get_base_export().operator->());
+}
+
+bool RegisterTarget::read_ahead(uint32_t offset, uint32_t& value, const sc_core::sc_time& time) {
+  direct_ = &time;
+  notified_ = false;
+  read_word(offset, value, false);
+  direct_ = nullptr;
+  return notified_;
+}
+
+bool RegisterTarget::write_early(uint32_t offset, uint32_t value, uint32_t lanes,
+                                 const sc_core::sc_time& time) {
+  direct_ = &time;
+  const bool taken = takes_early(offset, value & lanes, lanes);
+  if (taken) write_word(offset, value & lanes, lanes);
+  direct_ = nullptr;
+  return taken;
+}
+
 tlm::tlm_response_status RegisterTarget::access(tlm::tlm_generic_payload& payload) {
   const uint32_t lanes = lanes_of(payload);
   if (lanes == 0) return tlm::TLM_OK_RESPONSE;  // no byte takes part, so no register is touched
@@ -103,8 +128,9 @@ tlm::tlm_response_status RegisterTarget::access(tlm::tlm_generic_payload& payloa
       told->taken = takes_early(offset, value & lanes, lanes);
       if (told->refused()) return tlm::TLM_OK_RESPONSE;
     }
-    return write_word(offset, value & lanes, lanes) ? tlm::TLM_OK_RESPONSE
-                                                    : tlm::TLM_ADDRESS_ERROR_RESPONSE;
+    if (!write_word(offset, value & lanes, lanes)) return tlm::TLM_ADDRESS_ERROR_RESPONSE;
+    describe_route(payload, offset);
+    return tlm::TLM_OK_RESPONSE;
   }
   if (!read_word(offset, value, false)) return tlm::TLM_ADDRESS_ERROR_RESPONSE;
   if (whole) {
@@ -119,6 +145,7 @@ tlm::tlm_response_status RegisterTarget::access(tlm::tlm_generic_payload& payloa
     told->steady = is_steady(offset);
     told->ahead = is_read_ahead(offset);
   }
+  describe_route(payload, offset);
   return tlm::TLM_OK_RESPONSE;
 }
 

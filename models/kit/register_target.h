@@ -37,6 +37,17 @@ class RegisterTarget : public sc_core::sc_module, public Component {
 
   const char* component_name() const override { return basename(); }
 
+  // For an initiator that knows the way to a register (kit::DirectRoute). `time`: of the access,
+  // ahead of the kernel or not; `offset`: a multiple of 4.
+  /// Reads the register as a transaction does at whose end SteadyRead::ahead was set. False: this
+  /// device has notified no event by it.
+  bool read_ahead(uint32_t offset, uint32_t& value, const sc_core::sc_time& time);
+  /// SteadyRead::steady of a read at this time.
+  bool reads_steadily(uint32_t offset) const { return is_steady(offset); }
+  /// Writes those bits of `value` that are set in `lanes` as a transaction does with
+  /// EarlyWrite::early. False: not taken, and nothing is done.
+  bool write_early(uint32_t offset, uint32_t value, uint32_t lanes, const sc_core::sc_time& time);
+
   /// The word at `offset` as a debugger reads it, without the bus; 0 if there is none.
   uint32_t peek(uint32_t offset);
 
@@ -61,9 +72,19 @@ class RegisterTarget : public sc_core::sc_module, public Component {
     return false;
   }
 
+  /// True: the register at `offset` answers all accesses, at once: read_word() and write_word()
+  /// neither wait nor return false. Accesses ahead of the kernel may leave out the transaction
+  /// then.
+  virtual bool is_direct(uint32_t /*offset*/) const { return false; }
+
   /// The instant of the access in progress: simulated time plus the initiator's delay. Outside an
   /// access: simulated time.
-  sc_core::sc_time access_time() const { return sc_core::sc_time_stamp() + delay_; }
+  sc_core::sc_time access_time() const {
+    return direct_ != nullptr ? *direct_ : sc_core::sc_time_stamp() + delay_;
+  }
+
+  /// Call when an event of this device was notified in an access.
+  void note_event() { notified_ = true; }
 
   /// Reports an error of the guest under this module's name.
   void report(std::string_view text) const;
@@ -73,10 +94,13 @@ class RegisterTarget : public sc_core::sc_module, public Component {
   unsigned transport_dbg(tlm::tlm_generic_payload& payload);
   tlm::tlm_response_status check(const tlm::tlm_generic_payload& payload) const;
   tlm::tlm_response_status access(tlm::tlm_generic_payload& payload);
+  void describe_route(tlm::tlm_generic_payload& payload, uint32_t offset);
 
   uint64_t size_;
   AccessRule rule_;
   sc_core::sc_time delay_;
+  const sc_core::sc_time* direct_ = nullptr;  // the time of an access without a transaction
+  bool notified_ = false;                     // an event, in a read
 };
 
 }  // namespace capsoc::kit

@@ -36,11 +36,13 @@ BusAccess::BusAccess(const Ports& ports, kit::ClockDomain& clock, Core& core, Ti
   // Putting them on and off costs as much as a hop of the bus.
   payload_.set_extension(&steady_);
   payload_.set_extension(&early_);
+  payload_.set_extension(&route_);
 }
 
 BusAccess::~BusAccess() {
   payload_.clear_extension<kit::SteadyRead>();
   payload_.clear_extension<kit::EarlyWrite>();
+  payload_.clear_extension<kit::DirectRoute>();
 }
 
 BusAccess::Port& BusAccess::port(uint32_t address, AccessKind kind) {
@@ -94,6 +96,7 @@ void BusAccess::forget_refusals(uint64_t first, uint64_t last) {
 void BusAccess::invalidate(uint64_t first, uint64_t last) {
   constexpr uint64_t half = 0x80000000;
   forget_refusals(first, last);
+  routes_.forget(first, last);
   last = std::min<uint64_t>(last, 2 * half - 1);
   if (first > last) return;
   // All of the address space has no size of 32 bits.
@@ -138,8 +141,9 @@ unsigned BusAccess::send(uint32_t address, AccessKind kind, bool ahead) {
   payload_.set_address(address);
   payload_.set_dmi_allowed(false);
   payload_.set_response_status(tlm::TLM_INCOMPLETE_RESPONSE);
-  early_.early = ahead;
+  early_.early = ahead && kind == AccessKind::store;
   early_.taken = false;
+  route_.clear();
   const sc_core::sc_time now = sc_core::sc_time_stamp();
   const sc_core::sc_time begin =
       ahead ? clock_.time_of(core_.cycles()) - now : sc_core::SC_ZERO_TIME;
@@ -148,6 +152,8 @@ unsigned BusAccess::send(uint32_t address, AccessKind kind, bool ahead) {
   horizon_.give_way();  // a target may wait
   port(address, kind)->b_transport(payload_, delay);
   accessing_.reset();
+  // A steady read that was made ahead has done nothing.
+  if (!ahead || !steady_.steady) horizon_.look_ahead();
   return static_cast<unsigned>(clock_.cycles_at(sc_core::sc_time_stamp() + delay) -
                                clock_.cycles_at(now + begin));
 }
@@ -177,8 +183,6 @@ inline BusAccess::Result BusAccess::pass(tlm::tlm_command command, uint32_t addr
   Result result;
   result.wait_cycles = transport(address, kind, may_write_early);
   result.steady = steady_.steady;
-  // A steady read that was made ahead has done nothing.
-  if (!early_.early || !result.steady) horizon_.look_ahead();
   result.ok = payload_.is_response_ok();
   result.maps = payload_.is_dmi_allowed() && map_if_memory(address, kind);
   if (result.maps) granted_.push_back({address, kind});
@@ -187,6 +191,49 @@ inline BusAccess::Result BusAccess::pass(tlm::tlm_command command, uint32_t addr
   for (unsigned i = 0; i < size; ++i) value |= static_cast<uint32_t>(bytes[i]) << (8 * i);
   if (kind == AccessKind::load) reads_ahead_.set(address, size, steady_.ahead);
   if (kind == AccessKind::store) early_writes_.set(address, size, early_.taken);
+  note_route(result, address, kind);
+  return result;
+}
+
+/// Remembers the way of the access that payload_ describes, if another one may do without.
+void BusAccess::note_route(const Result& result, uint32_t address, AccessKind kind) {
+  if (kind == AccessKind::fetch) return;
+  const bool is_store = kind == AccessKind::store;
+  const bool described = result.ok && (is_store ? early_.taken : steady_.ahead) &&
+                         route_.is_whole(port(address, kind).operator->()) &&
+                         route_.cycles == result.wait_cycles;
+  routes_.note(address, payload_.get_data_length(), is_store, described ? &route_ : nullptr);
+}
+
+/// The way of an access ahead of the kernel that needs no transaction; null: it does.
+inline const DirectRoutes::Route* BusAccess::route(uint32_t address, unsigned size,
+                                                   bool write) const {
+  const DirectRoutes::Route* const known = routes_.find(address, size, write);
+  const bool is_open = known != nullptr && gate_ == nullptr && known->is_open();
+  return is_open && !horizon_.is_late() ? known : nullptr;
+}
+
+std::optional<BusAccess::Result> BusAccess::read_directly(uint32_t address, unsigned size,
+                                                          uint32_t& value) {
+  const DirectRoutes::Route* const way = route(address, size, false);
+  if (way == nullptr) return std::nullopt;
+  Result result;
+  result.ok = true;
+  result.wait_cycles = way->cycles();
+  result.quiet = !way->read(value, clock_.time_of(core_.cycles()));
+  result.steady = way->is_steady();
+  if (!result.quiet) horizon_.look_ahead();
+  return result;
+}
+
+std::optional<BusAccess::Result> BusAccess::write_directly(uint32_t address, unsigned size,
+                                                           uint32_t value) {
+  const DirectRoutes::Route* const way = route(address, size, true);
+  if (way == nullptr || !way->write(value, clock_.time_of(core_.cycles()))) return std::nullopt;
+  horizon_.look_ahead();
+  Result result;
+  result.ok = true;
+  result.wait_cycles = way->cycles();
   return result;
 }
 

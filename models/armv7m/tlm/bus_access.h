@@ -11,6 +11,7 @@
 
 #include "armv7m/core.h"
 #include "armv7m/tlm/access_gate.h"
+#include "armv7m/tlm/direct_routes.h"
 #include "armv7m/tlm/time_horizon.h"
 #include "base/archive.h"
 #include "kit/clock_domain.h"
@@ -22,7 +23,8 @@ namespace capsoc::armv7m {
 /// Turns the core's accesses into transactions on the three AHB-Lite ports, each at its exact time.
 /// Before an access the kernel catches up with the core. The exception is a device that takes the
 /// time of the access as a delay (kit::SteadyRead, kit::EarlyWrite), if the kernel has no activity
-/// before that time. Maps direct memory that a port grants. Nothing passed in is owned.
+/// before that time. If the way to the device is known (kit::DirectRoute), such an access needs no
+/// transaction. Maps direct memory that a port grants. Nothing passed in is owned.
 class BusAccess {
  public:
   using Port = tlm::tlm_initiator_socket<32>;
@@ -35,6 +37,7 @@ class BusAccess {
     bool ok = false;
     bool steady = false;  ///< side-effect-free and stable, as the device said
     bool maps = false;    ///< the memory was mapped: later accesses do not use the bus
+    bool quiet = false;   ///< nothing has changed that the horizon depends on
     unsigned wait_cycles = 0;
   };
 
@@ -47,6 +50,10 @@ class BusAccess {
   /// device takes early need not wait for the kernel.
   Result access(tlm::tlm_command command, uint32_t address, unsigned size, uint32_t& value,
                 AccessKind kind, bool may_write_early);
+  /// The same of an access ahead of the kernel that needs no transaction. Empty, and nothing is
+  /// done: it does, or it has to wait for the kernel.
+  std::optional<Result> read_directly(uint32_t address, unsigned size, uint32_t& value);
+  std::optional<Result> write_directly(uint32_t address, unsigned size, uint32_t value);
   /// Kind of the access that is on a socket now; empty: there is none.
   std::optional<AccessKind> accessing() const { return accessing_; }
 
@@ -100,6 +107,8 @@ class BusAccess {
               AccessKind kind, bool may_write_early);
   unsigned transport(uint32_t address, AccessKind kind, bool may_write_early);
   unsigned send(uint32_t address, AccessKind kind, bool ahead);
+  const DirectRoutes::Route* route(uint32_t address, unsigned size, bool write) const;
+  void note_route(const Result& result, uint32_t address, AccessKind kind);
   bool map_if_memory(uint32_t address, AccessKind kind);
   bool map_granted(uint32_t address, AccessKind kind, tlm::tlm_command command);
   void map(uint32_t address, const tlm::tlm_dmi& memory);
@@ -114,6 +123,8 @@ class BusAccess {
   kit::EarlyWrite early_;             // on the payload: of the last write
   Places reads_ahead_;                // that may be made ahead
   Places early_writes_;               // that were taken early, or would be
+  kit::DirectRoute route_;            // on the payload: of the last access
+  DirectRoutes routes_;               // of those that may be made ahead
   std::optional<AccessKind> accessing_;
   AccessGate* gate_ = nullptr;
   std::vector<Granted> granted_;

@@ -252,31 +252,57 @@ bool CoreTlm::access(tlm::tlm_command command, uint32_t address, unsigned size, 
   const BusAccess::Result result =
       bus_.access(command, address, size, value, kind, may_write_early);
   wait_cycles = result.wait_cycles;
-  polling_.made({address, size, value, wait_cycles}, result.ok && kind == AccessKind::load,
-                result.steady, horizon_.limit(), horizon_.kernel_runs());
-  sleep_.note_access(address);
-  if (polling_.seems_to_poll() || horizon_.is_nearer() || result.maps || horizon_.is_late() ||
-      is_watched() || is_called())
-    core_.attention();
+  accessed({address, size, value, wait_cycles}, kind == AccessKind::load, result);
   return result.ok;
+}
+
+/// What follows from an access, however it was made.
+void CoreTlm::accessed(const BusTransfer& transfer, bool is_read, const BusAccess::Result& result) {
+  polling_.made(transfer, is_read && result.ok, result.steady, horizon_.limit(),
+                horizon_.kernel_runs());
+  sleep_.note_access(transfer.address);
+  const bool changed = !result.quiet && (result.maps || horizon_.is_late());
+  if (polling_.seems_to_poll() || horizon_.is_nearer() || changed || is_watched() || is_called())
+    core_.attention();
+}
+
+bool CoreTlm::read_at_once(uint32_t address, unsigned size, uint32_t& value,
+                           unsigned& wait_cycles) {
+  const BusTransfer* const same = polling_.repeats(address, size, horizon_.kernel_runs());
+  if (same != nullptr && debugger_ == nullptr && !horizon_.is_late()) {
+    value = same->value;
+    wait_cycles = same->wait_cycles;
+    polling_.repeated(horizon_.limit());
+    sleep_.note_access(address);
+    if (polling_.seems_to_poll()) core_.attention();
+    return true;
+  }
+  const auto result = bus_.read_directly(address, size, value);
+  if (!result) return false;
+  wait_cycles = result->wait_cycles;
+  accessed({address, size, value, wait_cycles}, true, *result);
+  return true;
 }
 
 bool CoreTlm::read(uint32_t address, unsigned size, uint32_t& value, unsigned& wait_cycles,
                    AccessKind kind) {
-  const BusTransfer* same =
-      kind == AccessKind::load ? polling_.repeats(address, size, horizon_.kernel_runs()) : nullptr;
-  if (same == nullptr || debugger_ != nullptr || horizon_.is_late())
-    return access(tlm::TLM_READ_COMMAND, address, size, value, wait_cycles, kind);
-  value = same->value;
-  wait_cycles = same->wait_cycles;
-  polling_.repeated(horizon_.limit());
-  sleep_.note_access(address);
-  if (polling_.seems_to_poll()) core_.attention();
+  return (kind == AccessKind::load && read_at_once(address, size, value, wait_cycles)) ||
+         access(tlm::TLM_READ_COMMAND, address, size, value, wait_cycles, kind);
+}
+
+bool CoreTlm::write_at_once(uint32_t address, unsigned size, uint32_t value,
+                            unsigned& wait_cycles) {
+  if (!polling_.enabled() || is_watched()) return false;
+  const auto result = bus_.write_directly(address, size, value);
+  if (!result) return false;
+  wait_cycles = result->wait_cycles;
+  accessed({address, size, value, wait_cycles}, false, *result);
   return true;
 }
 
 bool CoreTlm::write(uint32_t address, unsigned size, uint32_t value, unsigned& wait_cycles) {
-  return access(tlm::TLM_WRITE_COMMAND, address, size, value, wait_cycles, AccessKind::store);
+  return write_at_once(address, size, value, wait_cycles) ||
+         access(tlm::TLM_WRITE_COMMAND, address, size, value, wait_cycles, AccessKind::store);
 }
 
 }  // namespace capsoc::armv7m

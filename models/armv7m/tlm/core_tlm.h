@@ -152,6 +152,11 @@ class CoreTlm : public sc_core::sc_module,
   bool read(uint32_t address, unsigned size, uint32_t& value, unsigned& wait_cycles,
             AccessKind kind) override;
   bool write(uint32_t address, unsigned size, uint32_t value, unsigned& wait_cycles) override;
+  bool read_at_once(uint32_t address, unsigned size, uint32_t& value,
+                    unsigned& wait_cycles) override;
+  bool write_at_once(uint32_t address, unsigned size, uint32_t value,
+                     unsigned& wait_cycles) override;
+  void accessed(const BusTransfer& transfer, bool is_read, const BusAccess::Result& result);
 
   bool must_wake() const override { return reset_requested_; }
   bool is_interrupted() override;
