@@ -126,6 +126,7 @@ TEST_P(Agreement, WithSteppingOnRandomProgramsForEveryQuantum) {
     choose(b.core, executor);
     prepare(a, seed);
     prepare(b, seed);
+    b.at_once = seed % 4 != 0;
     std::optional<StepCounts> steps;
     ExecutionCounts executed;
     std::map<uint32_t, ExecutionCounts::Totals> totals;

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <optional>
 #include <random>
@@ -253,7 +254,23 @@ void prepare_loops(Bench& b, uint32_t seed) {
   write(0xE000ED98, 0);  // MPU: half of the RAM is read-only, the default map elsewhere
   write(0xE000ED9C, Bench::ram_base);
   write(0xE000EDA0, 0x06000000 | 12 << 1 | 1);
+  if (seed % 2 == 0) {  // and so is the device
+    write(0xE000ED98, 1);
+    write(0xE000ED9C, 0x40000000);
+    write(0xE000EDA0, 0x06000000 | 11 << 1 | 1);
+  }
   write(0xE000ED94, 5);
+}
+
+/// What a device may see of the processor when it is written to.
+uint64_t seen_by_device(uint64_t before, Core& core, uint32_t value) {
+  uint64_t seen = before;
+  for (const uint64_t part :
+       {uint64_t{value}, core.cycles(), uint64_t{core.state().xpsr() >> 28},
+        uint64_t{core.state().pc}, uint64_t{core.reg(0)}, uint64_t{core.reg(13)}})
+    seen = (seen ^ part) * 0x100000001B3u;
+  core.set_interrupt(value & 31, (value & 32) != 0);
+  return seen;
 }
 
 void expect_equal_at(const Core& a, const Core& b, uint32_t seed, unsigned slice) {
@@ -278,7 +295,7 @@ TEST_P(HotLoops, AgreeWithSteppingOnRandomPrograms) {
   const Profile& profile = *GetParam().profile;
   const unsigned long programs = repetitions("CAPSOC_HOT_CODE", 1000);
   const unsigned long first = repetitions("CAPSOC_HOT_CODE_SEED", 1);
-  uint64_t instructions = 0, translated = 0, evictions = 0, faults = 0;
+  uint64_t instructions = 0, translated = 0, evictions = 0, faults = 0, at_once = 0;
   for (auto seed = static_cast<uint32_t>(first); seed < first + programs; ++seed) {
     Bench a(seed % 3, profile), b(seed % 3, profile);
     a.core.set_executor(Executor::stepping);
@@ -286,6 +303,10 @@ TEST_P(HotLoops, AgreeWithSteppingOnRandomPrograms) {
     if (seed % 7 == 0) b.core.set_translation_threshold(20);
     prepare_loops(a, seed);
     prepare_loops(b, seed);
+    b.at_once = seed % 4 != 0;
+    std::array<uint64_t, 2> seen{};  // by the device
+    a.on_write = [&](uint32_t value) { seen[0] = seen_by_device(seen[0], a.core, value); };
+    b.on_write = [&](uint32_t value) { seen[1] = seen_by_device(seen[1], b.core, value); };
     std::optional<StepCounts> steps;
     ExecutionCounts executed;
     if (seed % 2 == 0) {
@@ -311,6 +332,8 @@ TEST_P(HotLoops, AgreeWithSteppingOnRandomPrograms) {
     const auto differs = std::mismatch(a.ram.begin(), a.ram.end(), b.ram.begin()).first;
     ASSERT_EQ(differs - a.ram.begin(), static_cast<std::ptrdiff_t>(a.ram.size()))
         << "first byte of RAM that differs, seed " << seed;
+    ASSERT_EQ(seen[0], seen[1]) << "seed " << seed;
+    at_once += b.asked;
     if (steps) {
       ASSERT_NO_FATAL_FAILURE(expect_same_counts(*steps, executed)) << "seed " << seed;
     }
@@ -326,6 +349,7 @@ TEST_P(HotLoops, AgreeWithSteppingOnRandomPrograms) {
       static_cast<unsigned long long>(translated), static_cast<unsigned long long>(evictions),
       static_cast<unsigned long long>(faults));
   EXPECT_GT(instructions, programs * 1000);
+  EXPECT_GT(at_once, programs) << "accesses to the device";
   if (executor == Executor::translator && has_translator()) {
     EXPECT_GT(translated, instructions / 3);
     if (programs >= 1000) {
@@ -365,6 +389,7 @@ TEST_P(HotCode, FlagsLeftToTheNextBlockAreSeenRightInIt) {
   for (const Executor executor : {Executor::stepping, GetParam()}) {
     Bench b;
     choose(b.core, executor);
+    b.at_once = executor != Executor::stepping;
     std::vector<uint32_t>& words = seen[executor == Executor::stepping ? 0 : 1];
     b.on_write = [&](uint32_t) { words.push_back(b.core.state().xpsr()); };
     // 0: cmp r0,r1; b 1; nop; 1: mov r0,r2; str r2,[r7]; cmp r2,r3; mov r0,r3; b 0

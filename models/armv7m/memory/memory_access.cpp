@@ -310,6 +310,43 @@ bool MemoryAccess::must_be_aligned(uint32_t address) const {
   return context_.state.scb.traps_unaligned() || in_private_peripherals(address);
 }
 
+bool MemoryAccess::is_device(uint32_t address) {
+  const unsigned region = address >> 29;
+  return region == 2 || region == 5 || region == 6;
+}
+
+/// True if nothing but the MPU is between an instruction and a device, and that lets it through.
+bool MemoryAccess::may_be_at_once(uint32_t address, bool write) {
+  if (!is_device(address) || in_bit_band_alias(address)) return false;
+  return is_whole_view() ||
+         (!is_watched() && allows(address, write, false, context_.state.privileged()));
+}
+
+bool MemoryAccess::load_at_once(const AtOnce& access, uint32_t& value) {
+  if (!may_be_at_once(access.address, false)) return false;
+  context_.state.pc = access.instruction;
+  context_.cycle_offset = access.cycles_before;
+  unsigned wait = 0;
+  const bool made = bus_.read_at_once(access.address, access.size, value, wait);
+  context_.cycle_offset = 0;
+  if (!made) return false;
+  add_cycles(wait);
+  value = low_bytes(value, access.size);
+  return true;
+}
+
+bool MemoryAccess::store_at_once(const AtOnce& access, uint32_t value) {
+  if (!may_be_at_once(access.address, true)) return false;
+  context_.state.pc = access.instruction;
+  context_.cycle_offset = access.cycles_before;
+  unsigned wait = 0;
+  const bool made =
+      bus_.write_at_once(access.address, access.size, low_bytes(value, access.size), wait);
+  context_.cycle_offset = 0;
+  if (made) add_cycles(wait);
+  return made;
+}
+
 Access MemoryAccess::load_slow(const Step& op, uint32_t address, unsigned size, uint32_t& value,
                                bool user) {
   const bool privileged = context_.state.privileged() && !user;
@@ -317,6 +354,10 @@ Access MemoryAccess::load_slow(const Step& op, uint32_t address, unsigned size, 
   if (unaligned && must_be_aligned(address)) {
     context_.fault(op, Cause::unaligned, address);
     return Access::fault;
+  }
+  if (!unaligned && !user && load_at_once({op.address, op.cycles_before, address, size}, value)) {
+    context_.state.stalled = true;
+    return Access::leave;
   }
   context_.state.pc = op.address;  // what a device reports, it reports of this instruction
   value = 0;
@@ -354,6 +395,10 @@ Access MemoryAccess::store_slow(const Step& op, uint32_t address, unsigned size,
   if (unaligned && must_be_aligned(address)) {
     context_.fault(op, Cause::unaligned, address);
     return Access::fault;
+  }
+  if (!unaligned && !user && store_at_once({op.address, op.cycles_before, address, size}, value)) {
+    context_.state.stalled = true;
+    return Access::leave;
   }
   context_.state.pc = op.address;
   if (uint8_t* bytes = unaligned ? nullptr : shared_page(address, true, user)) {

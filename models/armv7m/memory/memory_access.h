@@ -40,6 +40,17 @@ class MemoryAccess {
                    bool user = false);
   Access store_slow(const Step& op, uint32_t address, unsigned size, uint32_t value,
                     bool user = false);
+  /// An aligned access of an instruction to a device that answers at once. False, and nothing is
+  /// done: it takes load_slow() or store_slow(). After it the block is left.
+  struct AtOnce {
+    uint32_t instruction;    ///< its address
+    uint32_t cycles_before;  ///< of its block
+    uint32_t address, size;
+  };
+  bool load_at_once(const AtOnce& access, uint32_t& value);
+  bool store_at_once(const AtOnce& access, uint32_t value);
+  /// True where the default map (B3.1) has devices on the bus, and nothing but devices.
+  static bool is_device(uint32_t address);
   /// Fetches a halfword of code; returns the cause of the fault if that fails.
   std::optional<Cause> fetch(uint32_t address, uint16_t& halfword);
 
@@ -106,6 +117,7 @@ class MemoryAccess {
   }
   bool regions_allow(uint32_t address, bool write, bool fetch, bool privileged);
   uint8_t* shared_page(uint32_t address, bool write, bool user);
+  bool may_be_at_once(uint32_t address, bool write);
   void fill_view(uint32_t address);
   bool buffered(const Step& op, uint32_t address) const;
   bool must_be_aligned(uint32_t address) const;

@@ -20,7 +20,8 @@ BlockCompiler::BlockCompiler(Machine& machine, HostContext& context, CodeBuffer&
       registers_(code_, context),
       flags_(machine, plan_, code_, registers_),
       edges_(machine, context, plan_, code_, registers_, flags_),
-      memory_(machine, context, plan_, code_, registers_, values_, edges_),
+      devices_(machine, context, code_, registers_, flags_, edges_),
+      memory_(machine, context, plan_, code_, registers_, values_, edges_, devices_),
       transfers_(machine, context, plan_, code_, registers_, flags_, edges_, memory_),
       data_(machine.state, plan_, code_, registers_, flags_, edges_),
       calls_(machine, context, code_, registers_),
@@ -39,6 +40,7 @@ void BlockCompiler::begin(const Step* head, CodePage& page) {
   values_.begin();
   flags_.begin_block();
   edges_.begin();
+  devices_.begin();
   memory_.begin();
   floating_.begin();
 }
@@ -140,6 +142,7 @@ const uint8_t* BlockCompiler::emit(const Step* head, CodePage& page) {
   if (edges_.open()) return nullptr;
   edges_.emit_taken();
   memory_.emit_slow_ways();
+  devices_.emit();
   floating_.emit_slow_ways();
   edges_.emit_misses();
   edges_.emit_exits();

@@ -10,6 +10,7 @@
 #include "armv7m/executors/translator/block_plan.h"
 #include "armv7m/executors/translator/code_buffer.h"
 #include "armv7m/executors/translator/data_operations.h"
+#include "armv7m/executors/translator/device_calls.h"
 #include "armv7m/executors/translator/flag_tracker.h"
 #include "armv7m/executors/translator/floating_operations.h"
 #include "armv7m/executors/translator/host_code.h"
@@ -27,8 +28,8 @@ class Machine;
 /// writes a step.
 ///
 /// Whatever the code does not do itself it leaves to C++, by leaving with the number of a
-/// BlockExit. It calls nothing but executors of the DSP and the floating-point extension, which
-/// touch registers and their flags alone.
+/// BlockExit. It calls executors of the DSP and the floating-point extension, which touch registers
+/// and their flags alone, and devices that answer at once (DeviceCalls).
 class BlockCompiler {
  public:
   /// Nothing is owned; `context` lies near the machine's state (HostCode).
@@ -88,6 +89,7 @@ class BlockCompiler {
   RegisterMap registers_;
   FlagTracker flags_;
   BlockEdges edges_;
+  DeviceCalls devices_;
   MemoryPaths memory_;
   Transfers transfers_;
   DataOperations data_;

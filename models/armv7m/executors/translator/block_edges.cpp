@@ -123,7 +123,8 @@ void BlockEdges::emit_conditional_branch(const Step& step, Cond taken) {
 }
 
 /// The way to a known address after a step, by a branch or, without a refill, without one.
-void BlockEdges::emit_edge(const Step& step, uint32_t target, unsigned refill) {
+void BlockEdges::emit_edge(const Step& step, uint32_t target, unsigned refill,
+                           timing::Trail trail) {
   // Where a block is closed may be in another page than the step.
   const bool here = same_page(target, plan_.head().address);
   if (!here || !flags_.sources().any_pending() || !flags_.leave_recoverable(target))
@@ -135,7 +136,7 @@ void BlockEdges::emit_edge(const Step& step, uint32_t target, unsigned refill) {
   exit.kind = BlockExit::Kind::edge;
   exit.pc = target;
   exit.recipe = recipe;
-  exit.trail = refill != 0 ? timing::trail_refill : static_cast<timing::Trail>(step.trail);
+  exit.trail = trail;
   if (machine_.counts != nullptr && refill != 0) count(machine_.counts->branch(step, target));
   a_.sub(x86::r15, code_.constant(cost(step, refill)));
   const Label out = stub(exit);

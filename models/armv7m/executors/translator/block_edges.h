@@ -55,6 +55,10 @@ class BlockEdges {
   void emit_branch(const Step& step);
   /// BX, BLX, MOV and ADD to the PC.
   void emit_indirect(const Step& step);
+  /// The way on after an access to a device, which leaves nothing in the pipeline.
+  void emit_edge_behind_device(const Step& step) {
+    emit_edge(step, next_address(step), 0, timing::no_trail);
+  }
   /// The end of a block that runs into the next address.
   void emit_close(const Step& step);
   /// rcx = the translated code at eax, whose bit 0 has to be set; leaves in front of the step if
@@ -98,7 +102,11 @@ class BlockEdges {
 
   Label stub(const BlockExit& exit);
   void emit_conditional_branch(const Step& step, Cond taken);
-  void emit_edge(const Step& step, uint32_t target, unsigned refill);
+  void emit_edge(const Step& step, uint32_t target, unsigned refill) {
+    const auto behind = static_cast<timing::Trail>(step.trail);
+    emit_edge(step, target, refill, refill != 0 ? timing::trail_refill : behind);
+  }
+  void emit_edge(const Step& step, uint32_t target, unsigned refill, timing::Trail trail);
   void jump_to_page(uint32_t target, unsigned refill, uint16_t trail, const Label& out);
   Mem jump(const void* of, const Gp& index) const;
   void emit_miss(const JumpMiss& miss);

@@ -49,6 +49,8 @@ class FlagTracker {
   const FlagSources& sources() const { return flags_; }
   void restore_sources(const FlagSources& sources) { flags_ = sources; }
   Snapshot snapshot() const { return {flags_, host_serial_, host_flags_}; }
+  /// What an exit in front of the present step sees, with nothing in the host's flags.
+  Snapshot before_step() const { return {flags_before_, 0, HostFlags::nz}; }
   void restore(const Snapshot& snapshot);
 
   // What the present step's code does

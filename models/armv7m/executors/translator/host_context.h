@@ -61,9 +61,29 @@ struct HostContext {
   uint32_t fp_open = 0;    ///< FloatingPoint::is_open(), which C++ alone changes
   uint32_t fp_host = 0;    ///< the host computes with the modes that programs begin with
   uint32_t fp_native = 0;  ///< and FPSCR is such that FloatingOperations may use it
+  const FlagSources* recipes = nullptr;  ///< by number
+  /// The cycles that the budget had left when the state's were counted last.
+  int64_t left = 0;
+  // An access to a device by an instruction (DeviceCalls): address, the instruction's, the access,
+  // what is stored.
+  uint64_t (*load_at_once)(Machine&, uint32_t, uint32_t, uint32_t) = nullptr;
+  uint64_t (*store_at_once)(Machine&, uint32_t, uint32_t, uint32_t, uint32_t) = nullptr;
   JumpCache jumps;
   /// By region: for reading; for writing the longest row without code, and the one it begins with.
   std::array<MemoryWindow, windows> read, write, write_from_base;
+
+  /// Begins to count instructions, with cycles left.
+  void set_left(int64_t cycles) {
+    left = cycles;
+    budget = static_cast<uint64_t>(cycles) << 32;
+  }
+  /// Adds to the state what was taken from the budget.
+  void count(State& state) {
+    const auto rest = static_cast<int32_t>(budget >> 32);
+    state.cycles += static_cast<uint64_t>(left - rest);
+    state.instructions += static_cast<uint32_t>(budget);
+    set_left(rest);
+  }
 };
 
 /// Bytes between a state of `size` bytes and its HostContext. A host that renames memory (AMD's

@@ -139,16 +139,15 @@ const Step* HostTranslator::execute(const void* entry, uint64_t left) {
   left = std::min(left, most);
   refresh_windows();
   if (machine_.profile.has_fpu()) refresh_fpu();
-  context_.budget = left << 32;
+  context_.set_left(static_cast<int64_t>(left));
   context_.recipe = 0;
+  context_.recipes = &compiler_.recipe(0);
   const auto enter = reinterpret_cast<Entry>(  // NOLINT: code that was written by BlockCompiler
       reinterpret_cast<uintptr_t>(buffer_.executable(frame_)));
+  const uint64_t before = state.instructions;
   const BlockExit& exit = compiler_.exits()[enter(&state, entry)];
-  const auto instructions = static_cast<uint32_t>(context_.budget);
-  const auto rest = static_cast<int32_t>(context_.budget >> 32);
-  state.cycles += static_cast<uint64_t>(static_cast<int64_t>(left) - rest);
-  state.instructions += instructions;
-  counts_.instructions += instructions;
+  context_.count(state);
+  counts_.instructions += state.instructions - before;
   compiler_.recipe(exit.recipe).settle(state, context_.aside, compiler_.recipe(context_.recipe));
   return leave(exit);
 }

@@ -49,6 +49,12 @@ std::optional<uint32_t> KnownValues::result_of(const Step& step) const {
       if (step.addressing == Addressing::literal) {
         uint32_t word = 0;
         if (machine_.memory.debug_read((pc_of(step) & ~3u) + step.imm, &word, 4)) value = word;
+      } else if (step.addressing == Addressing::offset && known(step.rn)) {
+        // A driver's structure has the address of its device.
+        uint32_t word = 0;
+        if (machine_.memory.debug_read(*known(step.rn) + step.imm, &word, 4) &&
+            MemoryAccess::is_device(word))
+          value = word;
       }
       break;
     default:

@@ -117,7 +117,7 @@ int MemoryPaths::window_of(const Address& address, bool store) const {
 void MemoryPaths::emit_access(const Step& step, const Access& access, const Address& address) {
   const Label exit = edges_.exit_at(step);
   const int window = window_of(address, access.store);
-  if (window < 0) return look_up(address, access, exit);
+  if (window < 0) return look_up(address, access, exit, where_unmapped(step, access, address));
   slow_.push_back({a_.newLabel(), a_.newLabel(), exit, access, address, window});
   const SlowAccess slow = slow_.back();
   Mem place;
@@ -130,6 +130,13 @@ void MemoryPaths::emit_access(const Step& step, const Access& access, const Addr
   charge_waits(access, window);
   transfer(access, place);
   a_.bind(slow.back);
+}
+
+/// Where an access goes whose page has no bytes: to a device, or out.
+Label MemoryPaths::where_unmapped(const Step& step, const Access& access, const Address& address) {
+  const std::optional<uint32_t> place = guess(address);
+  if (!place || !devices_.has_call(step, *place)) return edges_.exit_at(step);
+  return devices_.call(step, {access.size, access.rd, access.is_signed, access.store});
 }
 
 /// True for an access of one register whose address can be made in 64 bits by the access itself. A
@@ -202,9 +209,10 @@ unsigned MemoryPaths::through_window(const Address& address, const Access& acces
   return unit;
 }
 
-/// An access through the page table, with its wait states. Leaves where the page is not mapped
-/// directly or the access not aligned or not within one page.
-void MemoryPaths::look_up(const Address& address, const Access& access, const Label& exit) {
+/// An access through the page table, with its wait states. Leaves where the access is not aligned
+/// or not within one page, and goes elsewhere with its address in eax where the page is not mapped.
+void MemoryPaths::look_up(const Address& address, const Access& access, const Label& exit,
+                          const Label& unmapped) {
   static_assert(sizeof(Memory::Page) == 32);
   address_to(x86::eax, address, 0);
   if (access.size > 1) {
@@ -220,9 +228,9 @@ void MemoryPaths::look_up(const Address& address, const Access& access, const La
   a_.mov(x86::rdx, x86::ptr(x86::rcx, member));
   a_.test(x86::rdx, x86::rdx);
   if (access.store)
-    emit_beside_code(address, access, exit);
+    emit_beside_code(address, access, exit, unmapped);
   else
-    a_.jz(exit);
+    a_.jz(unmapped);
   a_.and_(x86::eax, Memory::page_size - 1);
   const unsigned words = access.words();
   if (words > 1) {
@@ -240,13 +248,13 @@ void MemoryPaths::look_up(const Address& address, const Access& access, const La
 /// is not closed for another reason; else the translated code exits. rcx = the page, eax = the
 /// address; adds rdx = its bytes. The page's record is read each time, since code may be decoded
 /// later.
-void MemoryPaths::emit_beside_code(const Address& address, const Access& access,
-                                   const Label& exit) {
+void MemoryPaths::emit_beside_code(const Address& address, const Access& access, const Label& exit,
+                                   const Label& unmapped) {
   const Label direct = a_.newLabel();
   a_.jnz(direct);
   a_.mov(x86::rdx, x86::ptr(x86::rcx, offsetof(Memory::Page, code)));
   a_.test(x86::rdx, x86::rdx);
-  a_.jz(exit);
+  a_.jz(unmapped);
   a_.mov(x86::rcx, x86::ptr(x86::rdx, plan_.in_code_page(&plan_.page().code_lines)));
   a_.or_(x86::rcx, x86::ptr(x86::rdx, plan_.in_code_page(&plan_.page().closed_lines)));
   a_.or_(x86::rcx, code_.context(&context_.closed));
@@ -281,7 +289,7 @@ void MemoryPaths::emit_slow(const SlowAccess& slow) {
                                 !slow.access.aligned &&
                                 window(slow.access, slow.window).wait_states == 0;
   if (may_be_unaligned) emit_unaligned(slow);
-  look_up(slow.address, slow.access, slow.exit);
+  look_up(slow.address, slow.access, slow.exit, slow.exit);
   a_.jmp(slow.back);
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "armv7m/executors/translator/block_edges.h"
+#include "armv7m/executors/translator/device_calls.h"
 #include "armv7m/executors/translator/host_code.h"
 #include "armv7m/executors/translator/host_context.h"
 #include "armv7m/executors/translator/known_values.h"
@@ -38,14 +39,16 @@ class MemoryPaths {
   };
 
   MemoryPaths(const Machine& machine, const HostContext& context, const BlockPlan& plan,
-              HostCode& code, RegisterMap& registers, const KnownValues& values, BlockEdges& edges)
+              HostCode& code, RegisterMap& registers, const KnownValues& values, BlockEdges& edges,
+              DeviceCalls& devices)
       : machine_(machine),
         context_(context),
         plan_(plan),
         code_(code),
         registers_(registers),
         values_(values),
-        edges_(edges) {}
+        edges_(edges),
+        devices_(devices) {}
 
   void begin() { slow_.clear(); }
   /// All of an access, by whatever way.
@@ -76,10 +79,13 @@ class MemoryPaths {
   Mem straight_through_window(const Address& address, const Access& access, int number,
                               const Label& otherwise);
   const MemoryWindow& window(const Access& access, int number) const;
-  void emit_beside_code(const Address& address, const Access& access, const Label& exit);
+  void emit_beside_code(const Address& address, const Access& access, const Label& exit,
+                        const Label& unmapped);
   void emit_slow(const SlowAccess& slow);
   void emit_unaligned(const SlowAccess& slow);
-  void look_up(const Address& address, const Access& access, const Label& exit);
+  void look_up(const Address& address, const Access& access, const Label& exit,
+               const Label& unmapped);
+  Label where_unmapped(const Step& step, const Access& access, const Address& address);
   void move(const Access& access, unsigned n, const Mem& at);
   void transfer_singles(const Access& access, const Mem& place);
   void address_to(const Gp& to, const Address& address, uint32_t less);
@@ -92,6 +98,7 @@ class MemoryPaths {
   RegisterMap& registers_;
   const KnownValues& values_;
   BlockEdges& edges_;
+  DeviceCalls& devices_;
   asmjit::x86::Assembler& a_ = code_.assembler();
   std::vector<SlowAccess> slow_;
 };
