@@ -170,13 +170,50 @@ class Program {
     put(0xF000u | (offset >> 12 & 0x7FF));
     put(0xF800u | (offset >> 1 & 0x7FF));
   }
+  /// One of r0 to r3, but not `other`.
+  uint32_t low(uint32_t other = 4) {
+    const uint32_t n = random_() % 4;
+    return n != other ? n : (n + 1) % 4;
+  }
+  /// LDREX and STREX of one place most of the time, and something between them.
+  void exclusives() {
+    const uint32_t base = 4 + random_() % 2, loaded = low(), stored = low();
+    const uint32_t size = random_() % 4, other = random_() % 8 == 0 ? 1 : 0;
+    constexpr uint32_t narrow[] = {0xF4F, 0xF5F};
+    put((size < 2 ? 0xE8D0u : 0xE850u) | base);
+    put(loaded << 12 | (size < 2 ? narrow[size] : 0xF00u));
+    for (unsigned n = random_() % 3; n > 0; --n) one();
+    put((size < 2 ? 0xE8C0u : 0xE840u) | (base ^ other));
+    const uint32_t failed = low(stored);
+    put(stored << 12 | (size < 2 ? 0xF40u | size << 4 | failed : failed << 8));
+  }
+  /// MRS, MSR and CPS of the interrupt masks.
+  void masks() {
+    const uint32_t which = is_small() ? 16 : 16 + random_() % 3;
+    switch (random_() % 4) {
+      case 0:
+        put(0xF3EF);
+        return put(0x8000u | low() << 8 | which);
+      case 1:
+        put(0xF380u | low());
+        return put(0x8800u | which);
+      default:
+        return put(random_() % 3 == 0 ? 0xB672 : 0xB662);  // cpsid i, cpsie i
+    }
+  }
   void loop(unsigned parts) {
     put(0x2600u | (random_() % 24 + 2));  // movs r6,#n
     const std::size_t top = code_.size();
     set(4, pointer());
     set(5, pointer());
     for (unsigned i = 0; i < parts; ++i) {
-      switch (random_() % 6) {
+      switch (random_() % 8) {
+        case 6:
+          if (!is_small()) exclusives();
+          break;
+        case 7:
+          masks();
+          break;
         case 0:
           it_block();
           break;
@@ -247,14 +284,18 @@ void prepare_loops(Bench& b, uint32_t seed) {
   b.core.set_reg(15, start);
   for (unsigned n = 0; n < 13; ++n) b.core.set_reg(n, random());
   if (b.core.profile().has_fpu()) use_fpu_in_handlers(b, random);
-  if (seed % 5 != 0) return;
   const auto write = [&b](uint32_t address, uint32_t value) {
     b.core.debug_write(address, &value, 4);
   };
+  if (seed % 3 != 0) {  // for the masks to hold back
+    write(ppb::NVIC_ISER, ~0u);
+    for (uint32_t n = 0; n < 8; ++n) write(ppb::NVIC_IPR + 4 * n, random());
+  }
+  if (seed % 5 != 0) return;
   write(0xE000ED98, 0);  // MPU: half of the RAM is read-only, the default map elsewhere
   write(0xE000ED9C, Bench::ram_base);
   write(0xE000EDA0, 0x06000000 | 12 << 1 | 1);
-  if (seed % 2 == 0) {  // and so is the device
+  if (seed % 2 == 1) {  // and so is the device
     write(0xE000ED98, 1);
     write(0xE000ED9C, 0x40000000);
     write(0xE000EDA0, 0x06000000 | 11 << 1 | 1);

@@ -98,6 +98,12 @@ void BlockCompiler::emit_operation(const Step& step) {
     data_.emit_data(step);
   } else if (step.operation == Operation::isb) {
     edges_.emit_close(step);
+  } else if (masks_interrupts(step)) {
+    calls_.emit_masks(step);
+    flags_.drop_host_flags();
+    edges_.emit_close(step);
+  } else if (reads_masks(step)) {
+    calls_.emit(step);
   } else if (step.operation == Operation::mrs || step.operation == Operation::msr) {
     emit_stack_pointer(step);
   } else {

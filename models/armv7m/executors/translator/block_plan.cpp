@@ -51,6 +51,29 @@ bool moves_stack_pointer(const Step& step) {
   return (step.encoding & 0xFF) == psp && n < 13 && stands_alone(step);
 }
 
+namespace {
+
+/// The special register of MRS and MSR.
+uint32_t special_register(const Step& step) {
+  return step.unallocated ? 0xFF : step.encoding & 0xFF;
+}
+
+}  // namespace
+
+bool reads_masks(const Step& step) {
+  const uint32_t which = special_register(step);
+  const bool mask_or_control = which >= 16 && which <= 20;
+  return step.operation == Operation::mrs && mask_or_control && step.rd < 13 && stands_alone(step);
+}
+
+bool masks_interrupts(const Step& step) {
+  const uint32_t which = special_register(step);
+  const bool primask_or_basepri = which >= 16 && which <= 18;
+  const bool writes = step.operation == Operation::msr && primask_or_basepri && step.rn < 13;
+  const bool changes = step.operation == Operation::cps && (step.imm & 1) == 0;
+  return (writes || changes) && stands_alone(step);
+}
+
 bool is_translated(const Step& step) {
   if (writes_sp(step)) return true;
   if (step.body != Execute::unconditional(step)) return false;
@@ -59,7 +82,9 @@ bool is_translated(const Step& step) {
   switch (step.operation) {
     case Operation::mrs:
     case Operation::msr:
-      return moves_stack_pointer(step);
+      return moves_stack_pointer(step) || reads_masks(step) || masks_interrupts(step);
+    case Operation::cps:
+      return masks_interrupts(step);
     case Operation::isb:
       return stands_alone(step);
     case Operation::b:
@@ -79,7 +104,7 @@ bool is_translated(const Step& step) {
   if (step.addressing == Addressing::unprivileged) return false;
   if (is(step, kind::multiple)) return step.list.bits != 0 && !step.list.has(13);
   return is(step, kind::data_processing | kind::any_branch | kind::load | kind::store |
-                      kind::dual_load | kind::dual_store);
+                      kind::dual_load | kind::dual_store | kind::exclusive);
 }
 
 bool may_be_left_at(const Step& step) {

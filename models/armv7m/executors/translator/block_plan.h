@@ -18,6 +18,10 @@ bool is_translated(const Step& step);
 bool writes_sp(const Step& step);
 /// True for MRS and MSR of PSP, by which handlers switch tasks.
 bool moves_stack_pointer(const Step& step);
+/// MRS of PRIMASK, BASEPRI, FAULTMASK or CONTROL, in no IT block.
+bool reads_masks(const Step& step);
+/// MSR to PRIMASK or BASEPRI, or CPS of PRIMASK alone, in no IT block.
+bool masks_interrupts(const Step& step);
 /// True where translated code may leave the block, so that all flags can be seen.
 bool may_be_left_at(const Step& step);
 

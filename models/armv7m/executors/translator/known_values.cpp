@@ -66,7 +66,8 @@ std::optional<uint32_t> KnownValues::result_of(const Step& step) const {
 void KnownValues::note(const Step& step) {
   const uint32_t changed = written_by(step);
   const std::optional<uint32_t> value = result_of(step);
-  const bool moved_base = is(step, kind::transfer | kind::fp_transfer) && !is(step, kind::load);
+  const bool moved_base =
+      is(step, kind::transfer | kind::fp_transfer) && !is(step, kind::load | kind::exclusive);
   if (moved_base) return;  // a base that moves stays where it is, roughly
   for (unsigned n = 0; n < 16; ++n) {
     if ((changed >> n & 1) == 0) continue;

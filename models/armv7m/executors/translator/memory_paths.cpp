@@ -24,7 +24,6 @@ unsigned MemoryPaths::Access::words() const {
   return ra != none ? 2 : 1;
 }
 
-/// `to` = the address, less a number.
 void MemoryPaths::address_to(const Gp& to, const Address& address, uint32_t less) {
   const uint32_t offset = address.imm - less;
   const auto displacement = static_cast<int32_t>(offset);
@@ -286,7 +285,7 @@ void MemoryPaths::emit_slow(const SlowAccess& slow) {
   a_.bind(slow.entry);
   const bool may_be_unaligned = slow.access.words() == 1 && slow.access.list == 0 &&
                                 slow.access.singles == 0 && slow.access.size > 1 &&
-                                !slow.access.aligned &&
+                                !slow.access.aligned && !slow.access.exclusive &&
                                 window(slow.access, slow.window).wait_states == 0;
   if (may_be_unaligned) emit_unaligned(slow);
   look_up(slow.address, slow.access, slow.exit, slow.exit);

@@ -24,7 +24,8 @@ class MemoryPaths {
   struct Access {
     uint8_t size = 4;  ///< bytes: 1, 2 or 4
     bool is_signed = false, store = false;
-    bool aligned = false;  ///< known to be
+    bool aligned = false;    ///< known to be
+    bool exclusive = false;  ///< faults if it is not
     uint8_t rd = 0;
     uint8_t ra = FlagOperand::none;  ///< LDRD and STRD: the second register
     uint16_t list = 0;               ///< of LDM and STM, instead
@@ -55,6 +56,9 @@ class MemoryPaths {
   void emit_access(const Step& step, const Access& access, const Address& address);
   /// What is outside the windows, after the block.
   void emit_slow_ways();
+
+  /// `to` = the address, less a number. Changes eax and ecx, too.
+  void address_to(const Gp& to, const Address& address, uint32_t less);
 
   // The parts of an access that must be made by a window
   /// The number of the window that an access probably goes to; below zero if there is none.
@@ -88,7 +92,6 @@ class MemoryPaths {
   Label where_unmapped(const Step& step, const Access& access, const Address& address);
   void move(const Access& access, unsigned n, const Mem& at);
   void transfer_singles(const Access& access, const Mem& place);
-  void address_to(const Gp& to, const Address& address, uint32_t less);
   std::optional<uint32_t> guess(const Address& address) const;
 
   const Machine& machine_;

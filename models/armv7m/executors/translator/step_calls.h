@@ -22,6 +22,9 @@ class StepCalls {
   /// change, too. The code holds no address, so that it is the same in every run. Changes rax, rcx,
   /// rdx and the host's flags. The step must outlive the code.
   void emit(const Step& step);
+  /// The call of a step that changes interrupt masks. It is left out of translated code only if an
+  /// exception may come now: then the next edge leaves. The block has to end after it.
+  void emit_masks(const Step& step);
   /// All code was dropped.
   void forget() { called_.clear(); }
 
@@ -31,6 +34,8 @@ class StepCalls {
   HostCode& code_;
   RegisterMap& registers_;
   asmjit::x86::Assembler& a_ = code_.assembler();
+  void call(bool (*one)(Machine&, const Step&), const Step& step);
+
   std::vector<CalledStep> called_;
 };
 

@@ -11,7 +11,7 @@ using namespace asmjit;
 namespace {
 
 bool is_store(const DecodedOp& op) {
-  return is(op, kind::store | kind::dual_store | kind::multiple_store);
+  return is(op, kind::store | kind::dual_store | kind::multiple_store | kind::exclusive_store);
 }
 
 }  // namespace
@@ -19,6 +19,7 @@ bool is_store(const DecodedOp& op) {
 void Transfers::emit_transfer(const Step& step) {
   if (is(step, kind::multiple)) return emit_multiple(step);
   if (is(step, kind::dual_load | kind::dual_store)) return emit_dual(step);
+  if (is(step, kind::exclusive)) return emit_exclusive(step);
   emit_single(step);
 }
 
@@ -110,6 +111,39 @@ void Transfers::emit_dual(const Step& step) {
   memory_.emit_access(step, access, address);
   if (step.writeback)
     a_.emit(x86::Inst::kIdAdd, registers_.at(step.rn), Imm(static_cast<int32_t>(step.imm)));
+}
+
+/// LDREX and STREX, which leave a store that fails, or to another address, to C++.
+void Transfers::emit_exclusive(const Step& step) {
+  const State& state = machine_.state;
+  Access access;
+  access.store = is_store(step);
+  access.rd = step.rd;
+  access.exclusive = true;
+  if (step.operation == Operation::ldrexb || step.operation == Operation::strexb) access.size = 1;
+  if (step.operation == Operation::ldrexh || step.operation == Operation::strexh) access.size = 2;
+  Address address;
+  address.base = step.rn;
+  address.imm = step.imm;
+  if (access.store) {
+    const Label exit = edges_.exit_at(step);
+    a_.cmp(code_.state_byte(&state.exclusive), 0);
+    a_.jz(exit);
+    memory_.address_to(x86::eax, address, 0);
+    a_.cmp(x86::eax, code_.state_word(&state.exclusive_address));
+    a_.jne(exit);
+    memory_.emit_access(step, access, address);
+    a_.mov(code_.state_byte(&state.exclusive), 0);
+    const Gp result = registers_.destination(step.ra, x86::eax);
+    a_.mov(result, 0);
+    return registers_.written(step.ra, result);
+  }
+  memory_.address_to(x86::eax, address, 0);
+  a_.mov(code_.context(&context_.place, 4), x86::eax);
+  memory_.emit_access(step, access, address);
+  a_.mov(x86::eax, code_.context(&context_.place, 4));
+  a_.mov(code_.state_word(&state.exclusive_address), x86::eax);
+  a_.mov(code_.state_byte(&state.exclusive), 1);
 }
 
 /// LDM, STM, PUSH, POP.

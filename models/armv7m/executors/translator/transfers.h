@@ -35,6 +35,7 @@ class Transfers {
 
   void emit_single(const Step& step);
   void emit_dual(const Step& step);
+  void emit_exclusive(const Step& step);
   void emit_multiple(const Step& step);
   void emit_literal(const Step& step, uint32_t address);
   void emit_return(const Step& step, const Access& access, const Address& address,
