@@ -36,6 +36,16 @@ TEST(ClockDomain, AnEdgeCountsFromItsOwnInstantForEveryFrequency) {
   }
 }
 
+TEST(ClockDomain, AnInstantThatWasAskedForIsAnotherEdgeAfterAChange) {
+  ClockDomain clock;
+  const sc_time now = sc_core::sc_time_stamp();
+  const uint64_t present = clock.cycles_at(now);
+  const sc_time later = clock.time_of(present + 4);
+  EXPECT_EQ(clock.cycles_at(later), present + 4);
+  clock.set_frequency(2 * clock.frequency_hz());
+  EXPECT_EQ(clock.cycles_at(later), clock.cycles_at(now) + (later - now).value() / 20'000);
+}
+
 TEST(ClockDomain, WholePeriodsAreNoOtherClock) {
   __extension__ typedef unsigned __int128 Wide;
   constexpr Wide second = 1'000'000'000'000;

@@ -53,7 +53,7 @@ const std::vector<uint16_t> accesses = {
     0x6045,          // loop: str r5, [r0, #4]
     0x684B,          // ldr r3, [r1, #4]
     0x18F6,          // adds r6, r6, r3
-    0x7105,          // strb r5, [r0, #4]
+    0x7106,          // strb r6, [r0, #4]
     0x7804,          // ldrb r4, [r0, #0]
     0x4166,          // adcs r6, r4
     0x888B,          // ldrh r3, [r1, #4]
