@@ -91,8 +91,8 @@ def design_sources(folder):
         raise ToolError(str(error)) from error
 
 
-def synthesise(sources, parameters, folder, flatten, top=TOP):
-    """Runs yosys with these parameters of the top; gives the cell counts of each module and the log's `sta` part."""
+def synthesise(sources, parameters, folder, flatten, top=TOP, hide=True):
+    """Runs yosys with these parameters of the top; gives the cell counts of each module. hide: no names of the RTL."""
     (folder / "flip_flop.v").write_text(FLIP_FLOP)
     (folder / "dsp_map.v").write_text("".join(DSP_CELL.format(width=width) for width, _ in DSP_RULES))
     (folder / "add_subtract.sv").write_text(ADD_SUBTRACT)
@@ -132,7 +132,7 @@ def synthesise(sources, parameters, folder, flatten, top=TOP):
             "setundef -zero",
             "splitnets",
             "opt_clean -purge",
-            "rename -hide w:* c:*",
+            *(["rename -hide w:* c:*"] if hide else []),
             "rename -enumerate -pattern n%",
             f"write_verilog -noattr {folder}/netlist.v",
         ]

@@ -1,0 +1,1 @@
+"""Nets of the synthesised coprocessor that are stuck."""
