@@ -227,7 +227,7 @@ int main(int argc, char** argv) {
   begin(chip, sensor, number(3),
         number(4) << reg::SAFETY_ERROR_LIMIT_shift | number(5) << reg::SAFETY_STEP_LIMIT_shift);
   const uint32_t before = chip.read(reg::SAMPLES_offset);
-  // Without a fault, in a process of its own, so that each begins from here.
+  // Without a fault, in a separate process, so that each begins from here.
   auto* shared = static_cast<Result*>(mmap(nullptr, count * sizeof(Result), PROT_READ | PROT_WRITE,
                                            MAP_SHARED | MAP_ANONYMOUS, -1, 0));
   if (fork() == 0) {
