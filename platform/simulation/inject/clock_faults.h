@@ -14,7 +14,7 @@ class ClockFaults {
   /// The faults and the position outlive this.
   explicit ClockFaults(const Position& position) : position_(position) {}
   static bool takes(const Fault& fault) { return fault.kind == Fault::Kind::lose_clock; }
-  void add(Injected& injected) { faults_.push_back(&injected); }
+  void add(Injected& injected) { faults_.push_back({&injected}); }
 
   /// Those that have not begun.
   std::vector<const Injected*> waiting() const;
@@ -24,12 +24,14 @@ class ClockFaults {
   void pause(const sc_core::sc_time& now);
 
  private:
-  void begin(Injected& injected) const;
-  bool is_stopped(const Injected& injected) const;
+  struct OnClock {
+    Injected* injected;
+    bool stops = false;  ///< the clock, for some time that lasts
+  };
+  void begin(OnClock& each) const;
 
   const Position& position_;
-  std::vector<Injected*> faults_;
-  std::vector<const Injected*> stopped_;  ///< those of some time, while it lasts
+  std::vector<OnClock> faults_;
 };
 
 }  // namespace capsoc::inject

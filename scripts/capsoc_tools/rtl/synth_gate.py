@@ -63,23 +63,19 @@ def verilate(name, sources, folder, options):
     )
 
 
-def gate(sources, parameters, folder, samples, seed):
-    """Netlist against RTL with these parameters; the program's last lines and its verdict."""
-    verilate(f"{TOP}_netlist", [str(folder / "netlist.v"), *techlib_cells(folder)], folder, [])
-    verilate(TOP, sources, folder, [f"-G{name}={value}" for name, value in parameters.items()])
+def build_program(source, parts, includes, folder):
+    """A program around Verilated modules, in folder/ under the name of its source."""
     root = subprocess.run(
         [find("verilator", "verilator"), "--getenv", "VERILATOR_ROOT"], capture_output=True, text=True, check=True
     ).stdout.strip()
-    program = folder / "netlist_gate"
-    parts = [folder / TOP, folder / f"{TOP}_netlist"]
+    program = folder / source.stem
     run(
         [
             find("g++", "g++"),
             "-std=c++17",
             "-O1",
-            *[f"-I{part}" for part in parts],
-            f"-I{root}/include",
-            str(GATE),
+            *[f"-I{place}" for place in [*parts, f"{root}/include", *includes]],
+            str(source),
             *[str(part / f"V{part.name}__ALL.a") for part in parts],
             str(parts[0] / "verilated.o"),
             str(parts[0] / "verilated_threads.o"),
@@ -87,8 +83,16 @@ def gate(sources, parameters, folder, samples, seed):
             "-o",
             str(program),
         ],
-        folder / "gate.log",
+        folder / f"{source.stem}.log",
     )
+    return program
+
+
+def gate(sources, parameters, folder, samples, seed):
+    """Netlist against RTL with these parameters; the program's last lines and its verdict."""
+    verilate(f"{TOP}_netlist", [str(folder / "netlist.v"), *techlib_cells(folder)], folder, [])
+    verilate(TOP, sources, folder, [f"-G{name}={value}" for name, value in parameters.items()])
+    program = build_program(GATE, [folder / TOP, folder / f"{TOP}_netlist"], [], folder)
     done = subprocess.run([program, str(samples), str(seed)], capture_output=True, text=True)
     return done.returncode == 0, done.stdout.strip()
 

@@ -29,8 +29,8 @@ from pathlib import Path
 from capsoc_tools import ROOT
 from capsoc_tools.faults.fault_verdicts import wilson
 from capsoc_tools.rtl.synth import PARAMETERS
-from capsoc_tools.rtl.synth_flow import TOP, ToolError, design_sources, find, run, synthesise
-from capsoc_tools.rtl.synth_gate import techlib_cells, verilate
+from capsoc_tools.rtl.synth_flow import TOP, ToolError, design_sources, synthesise
+from capsoc_tools.rtl.synth_gate import build_program, techlib_cells, verilate
 
 HERE = Path(__file__).resolve().parent
 REFERENCES = {"numeric": 0, "angle": 2}  # CTRL.REF
@@ -96,20 +96,7 @@ def build(nets_wanted, seed, folder):
     (folder / "stuck.v").write_text(with_stuck_nets(text, nets, places))
     name = f"{TOP}_netlist"
     verilate(name, [str(folder / "stuck.v"), *techlib_cells(folder)], folder, [])
-    root = subprocess.run(
-        [find("verilator", "verilator"), "--getenv", "VERILATOR_ROOT"], capture_output=True, text=True, check=True
-    ).stdout.strip()
-    made = folder / name
-    run(
-        [
-            *(find("g++", "g++"), "-std=c++17", "-O1"),
-            *(f"-I{made}", f"-I{root}/include", f"-I{ROOT / 'build' / 'generated'}", f"-I{ROOT / 'models'}"),
-            *(str(HERE / "stuck_nets.cpp"), str(made / f"V{name}__ALL.a")),
-            *(str(made / "verilated.o"), str(made / "verilated_threads.o")),
-            *("-lpthread", "-o", str(folder / "stuck_nets")),
-        ],
-        folder / "stuck_nets.log",
-    )
+    build_program(HERE / "stuck_nets.cpp", [folder / name], [ROOT / "build" / "generated", ROOT / "models"], folder)
     return [(names.get(net, net), places[net][0]) for net in nets], len(places)
 
 
