@@ -3,6 +3,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "identification/circle_plane.h"
@@ -60,38 +61,86 @@ std::vector<Run> runs_of(const std::vector<Eigen::Index>& outliers, Eigen::Index
   return runs;
 }
 
-using EllipseVector = Eigen::Matrix<double, ellipse_terms, 1>;
-using EllipseMatrix = Eigen::Matrix<double, ellipse_terms, ellipse_terms>;
-
 /// The distances of a run's samples, as a change of the ellipse explains them.
 struct Curve {
   bool found = false;
   double distance = 0;  ///< rms of the run, unit of the samples
 };
 
-Curve curve_of(const Samples& samples, const CirclePlane& plane, const Run& run) {
-  EllipseMatrix information = EllipseMatrix::Zero();
-  EllipseVector sum = EllipseVector::Zero();
-  double square = 0;
+/// Degrees of the polynomials in time by which the ellipse of a run may change: a step, a ramp, a
+/// return to the old values.
+constexpr Eigen::Index degrees = 4;
+constexpr Eigen::Index all_terms = ellipse_terms * (degrees + 1);
+
+/// Normal equations of a run: the terms of the ellipse, then the same times the Legendre
+/// polynomials of degree 1, 2 and so on of the place in the run.
+struct NormalEquations {
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(all_terms, all_terms);
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(all_terms);
+  double square = 0, count = 0;
+};
+
+NormalEquations normal_equations(const Samples& samples, const CirclePlane& plane, const Run& run) {
+  NormalEquations all;
+  Eigen::VectorXd row(all_terms);
+  const auto length = static_cast<double>(std::max<Eigen::Index>(run.last - run.first, 1));
   for (Eigen::Index i = run.first; i <= run.last; ++i) {
     const SampleScore score = score_at(plane, samples.u[i], samples.v[i]);
-    const EllipseVector shape = score.shape.head<ellipse_terms>();
-    information += shape * shape.transpose();
-    sum += shape * score.distance;
-    square += score.distance * score.distance;
+    const double x = 2 * static_cast<double>(i - run.first) / length - 1;
+    double now = 1, before = 0;
+    for (Eigen::Index n = 0; n <= degrees; ++n) {
+      row.segment<ellipse_terms>(n * ellipse_terms) = now * score.shape.head<ellipse_terms>();
+      const auto order = static_cast<double>(n);
+      const double next = ((2 * order + 1) * x * now - order * before) / (order + 1);
+      before = std::exchange(now, next);
+    }
+    all.information.selfadjointView<Eigen::Lower>().rankUpdate(row);
+    all.sum += row * score.distance;
+    all.square += score.distance * score.distance;
   }
-  const auto count = static_cast<double>(run.last - run.first + 1);
-  Eigen::CompleteOrthogonalDecomposition<EllipseMatrix> solver;
+  all.information = Eigen::MatrixXd(all.information.selfadjointView<Eigen::Lower>());
+  all.count = static_cast<double>(run.last - run.first + 1);
+  return all;
+}
+
+/// Whether the first terms explain the distances, by more than chance.
+bool explained_by(const NormalEquations& all, Eigen::Index first_terms) {
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
   solver.setThreshold(1e-9);
-  solver.compute(information);
+  solver.compute(all.information.topLeftCorner(first_terms, first_terms));
+  const Eigen::VectorXd sum = all.sum.head(first_terms);
   const double explained = sum.dot(solver.solve(sum));
   const auto terms = static_cast<double>(solver.rank());
-  const double rest = std::max(square - explained, 1e-30 * square);
+  const double rest = std::max(all.square - explained, 1e-30 * all.square);
+  return all.count > terms && explained >= explained_part * all.square &&
+         f_tail((explained / terms) / (rest / (all.count - terms)), terms, all.count - terms) <
+             curve_false_alarms / (degrees + 1);
+}
+
+/// Turns in a run, of the angles as they are seen: counted in quarters, so that noise adds none.
+double turns_of(const Samples& samples, const CirclePlane& plane, const Run& run) {
+  double quarters = 0;
+  CirclePlane::Polar last = plane.at(samples.u[run.first], samples.v[run.first]);
+  for (Eigen::Index i = run.first; i <= run.last; ++i) {
+    const CirclePlane::Polar now = plane.at(samples.u[i], samples.v[i]);
+    if (now.cosine * last.cosine + now.sine * last.sine > 0) continue;
+    ++quarters;
+    last = now;
+  }
+  return quarters / 4;
+}
+
+/// A disturbance moves the angle that is seen, too. A polynomial that can follow the motion tells
+/// the true angle from the seen one, and with it any disturbance. Degree n follows n / 2 turns, so
+/// it counts only from (n + 1) / 2 turns on. Within less the constant terms follow the time.
+Curve curve_of(const Samples& samples, const CirclePlane& plane, const Run& run) {
+  const NormalEquations all = normal_equations(samples, plane, run);
+  const double turns = turns_of(samples, plane, run);
   Curve curve;
-  curve.distance = std::sqrt(square / count);
-  curve.found = count > terms && explained >= explained_part * square &&
-                f_tail((explained / terms) / (rest / (count - terms)), terms, count - terms) <
-                    curve_false_alarms;
+  curve.distance = std::sqrt(all.square / all.count);
+  for (Eigen::Index degree = 0; degree <= degrees && !curve.found; ++degree)
+    if (degree == 0 || turns >= 0.5 * static_cast<double>(degree + 1))
+      curve.found = explained_by(all, ellipse_terms * (degree + 1));
   return curve;
 }
 

@@ -189,6 +189,22 @@ TEST(HardRecords, ASensorThatChangedForSomeTimeIsNoOutlier) {
   }
 }
 
+TEST(HardRecords, ASensorThatDriftsAwayOrComesBackIsNoOutlier) {
+  const auto theta = [](auto i) { return 2 * pi * static_cast<double>(i) / 197; };
+  for (const double noise : {0.0, 1e-4}) {
+    Samples away = taken_at(usual_sensor, 20000, noise, 5, theta), back = away, gain = away;
+    for (Eigen::Index i = 0; i < 600; ++i) {
+      const auto k = static_cast<double>(i);
+      away.u[19400 + i] += 0.02 * k / 600;
+      back.u[i] += 0.1 * std::exp(-k / 100);
+      gain.v[9000 + i] *= 1 + 0.05 * std::sin(pi * k / 600);
+    }
+    EXPECT_TRUE(has(changed_samples(away), "to 19999")) << noise;
+    EXPECT_TRUE(has(changed_samples(back), "samples 0 to ")) << noise;
+    EXPECT_TRUE(has(changed_samples(gain), "samples 90")) << noise;
+  }
+}
+
 TEST(HardRecords, DisturbancesAreNoChangeOfTheSensor) {
   const auto theta = [](auto i) { return 2 * pi * static_cast<double>(i) / 197; };
   Random random(11);
@@ -198,9 +214,17 @@ TEST(HardRecords, DisturbancesAreNoChangeOfTheSensor) {
     for (Eigen::Index i = 0; i < 5000; ++i)
       if (random.uniform() < 0.05) spikes.u[i] += 0.02;
     EXPECT_EQ(changed_samples(spikes), "");
-    const auto first = static_cast<Eigen::Index>(4800 * random.uniform());
-    for (Eigen::Index i = first; i < first + 150; ++i) burst.v[i] += 0.05 * normal(random);
+    const auto first = static_cast<Eigen::Index>(4400 * random.uniform());
+    const Eigen::Index length = 10 + 60 * k;
+    for (Eigen::Index i = first; i < first + length; ++i) burst.v[i] += 0.05 * normal(random);
     EXPECT_EQ(changed_samples(burst), "") << "seed 11, " << k;
+    for (const int period : {40, 400}) {
+      Samples slow = taken_at(usual_sensor, 5000, 1e-4, 5,
+                              [&](auto i) { return 2 * pi * static_cast<double>(i) / period; });
+      for (Eigen::Index i = first; i < first + length; ++i) slow.v[i] += 0.05 * normal(random);
+      EXPECT_FALSE(has(identify(slow).value().rejection(), "another curve"))
+          << "seed 11, " << k << ", period " << period;
+    }
     lost.u.segment(first, 150) = 0.01;
     lost.v.segment(first, 150) = -0.01;
     EXPECT_EQ(changed_samples(lost), "");
