@@ -185,6 +185,27 @@ class Checks(SafeCase):
                         said, "safe: fail: (the test of the parity bits|.* finds a fault in a good sample)"
                     )
 
+    def test_a_signal_that_only_seems_to_have_ended(self):
+        said, result = self.run_safe("--inject", f"flip mem:ended[0] at {WHEN}")
+        self.assertEqual(result["exit"]["code"], 1, said)
+        self.assertIn("safe: fail: a sample is missing, or there is one too many", said)
+
+    def test_a_stop_does_without_the_drivers(self):
+        """With one of their functions broken the program still says by its status why it stopped."""
+        # gpio_write returns by its last instruction: no longer, and what comes after it runs, too.
+        code = subprocess.run(
+            ["arm-none-eabi-objdump", "-d", "--disassemble=gpio_write", FIRMWARE / "safe.elf"],
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+        address, instruction = re.findall(r"^ *([0-9a-f]+):\t([0-9a-f]{4}) +\tpop", code, re.M)[-1]
+        self.assertEqual(int(instruction, 16) & 0xFF00, 0xBD00, code)
+        bit = 8 * (int(address, 16) + 1) + 1  # 0xbd becomes 0xbf: a hint, which does nothing
+        said, result = self.run_safe("--inject", f"flip mem:0x00000000[{bit}] at {WHEN}")
+        self.assertIn("safe: stopped by the", said)
+        self.assertEqual(result["exit"]["code"], 1, said)
+
     def test_the_watchdog(self):
         for fault in (
             f"lose irq coprocessor at {WHEN}",

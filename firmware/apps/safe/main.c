@@ -152,12 +152,14 @@ static bool watch_learning(const struct supervision* state) {
 static bool calibrate(struct supervision* state, uint32_t first, int* status) {
   const uint32_t last = first + settings.calibration_samples;
   for (uint32_t sample = first + 1; sample <= last; ++sample) {
-    if (!judgement_until(&state->judgement, sample)) {
+    uint32_t angle = 0;
+    enum safe_angle_state found = safe_angle_samples;
+    if (judgement_until(&state->judgement, sample)) {
+      found = safe_angle_read(&safe, &angle);
+    } else if (adc_ended()) {  // asked again: what waits may be what is broken
       print_end(sampling_count());
       return true;
     }
-    uint32_t angle = 0;
-    const enum safe_angle_state found = safe_angle_read(&safe, &angle);
     if (found != safe_angle_good) {
       *status = refuse_angle(found, sample);
       return false;

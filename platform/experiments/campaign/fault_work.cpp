@@ -105,7 +105,7 @@ class FaultWork final : public Work {
     if (!drawn) return Error{drawn.error()};
     const auto& [place, golden, chosen] = drawn.value();
     const bool is_endless = golden.code == run::exit_code::limit;
-    const double limit_s = golden.ended_s + (is_endless ? 0 : over_time_s);
+    const double limit_s = golden.ended_s + (is_endless ? 0 : settings.trial.wait_s());
     for (const auto& [path, value] :
          {std::pair<const char*, std::string>("inject.faults", chosen.line),
           {"run.simlimit_s", fmt::format("{}", limit_s)}})
@@ -131,9 +131,6 @@ class FaultWork final : public Work {
   }
 
  private:
-  /// Simulated seconds after the end of the golden run: a program that is not over by then hangs.
-  static constexpr double over_time_s = 1;
-
   static Result<fault::Outcome> outcome_of(const FaultSettings& settings, const std::string& place,
                                            const fault::Golden& golden,
                                            const fault::Drawn& chosen) {

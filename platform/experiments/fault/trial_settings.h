@@ -34,6 +34,9 @@ class TrialSettings : public Settings {
   NumberField to_s{*this, seconds("fault.to_s", "410", "the last one, s")};
   NumberField until_s{
       *this, seconds("fault.until_s", "418", "where states are compared at the latest, s")};
+  NumberField wait_s{*this, seconds("fault.wait_s", "12",
+                                    "how much longer than without the fault a program may take "
+                                    "before it hangs, s: a watchdog may have to end it")};
   NumberField limit_deg{*this, setting("fault.limit_deg", SettingKind::number, "0.1",
                                        "an angle that is further off is wrong, deg")
                                    .in(0, 180)};
