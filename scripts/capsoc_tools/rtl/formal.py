@@ -130,13 +130,16 @@ def translate(proof, folder, names):
         yosys(folder, f"{read}{prepare}; {cut}write_smt2 -wires model.smt2")
 
 
-def engines(proof):
-    """(label, arguments of yosys-smtbmc)"""
+def engines(proof, fault):
+    """[(label, arguments of yosys-smtbmc)]; what finds a fault soonest comes first."""
     solver = proof.get("solver", "z3")
+    chosen = []
     if proof.get("bmc"):
-        yield f"{solver} bmc {proof['bmc']}", ["-s", solver, "-t", str(proof["bmc"])]
+        chosen.append((f"{solver} bmc {proof['bmc']}", ["-s", solver, "-t", str(proof["bmc"])]))
     if proof.get("induction"):
-        yield (f"{solver} ind {proof['induction']}", ["-s", solver, "-i", "-t", str(proof["induction"])])
+        chosen.append((f"{solver} ind {proof['induction']}", ["-s", solver, "-i", "-t", str(proof["induction"])]))
+    # A fault that takes cycles to show is one step away from some state that the assertions allow.
+    return chosen[::-1] if fault else chosen
 
 
 WAVES = "counterexample.vcd"
@@ -185,7 +188,7 @@ def run(proof, fault=None, waves=None):
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         translate(proof, folder, copy_sources(proof, folder, fault))
-        for label, arguments in engines(proof):
+        for label, arguments in engines(proof, fault):
             start = time.monotonic()
             status, log = smtbmc(arguments, folder, proof.get("timeout", 170))
             passed = None if status is None else status == 0
