@@ -190,6 +190,15 @@ class Checks(SafeCase):
         self.assertEqual(result["exit"]["code"], 1, said)
         self.assertIn("safe: fail: a sample is missing, or there is one too many", said)
 
+    def test_a_calibration_that_only_seems_to_be_over(self):
+        for fault in ("flip mem:parameters+24[10]", "flip mem:parameters+28[10]", "flip mem:results[16]"):
+            with self.subTest(fault=fault):
+                said, result = self.run_safe("--inject", f"{fault} at {WHEN}")
+                self.assertEqual(result["exit"]["code"], 1, said)
+                self.assertRegex(
+                    said, "safe: (fail: (the copy of the parameters has changed|a sample is missing)|stopped)"
+                )
+
     def test_a_stop_does_without_the_drivers(self):
         """With one of their functions broken the program still says by its status why it stopped."""
         # gpio_write returns by its last instruction: no longer, and what comes after it runs, too.

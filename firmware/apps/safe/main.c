@@ -65,7 +65,8 @@ enum { watchdog_seconds = 10 };
 // What the checks compare with: written once, then protected.
 static struct {
   struct coprocessor_parameters stored;
-  uint32_t padding[2];
+  // Of the calibration, and the same, every bit inverted: read for each sample, never kept.
+  volatile uint32_t last_sample, last_complement;
 } parameters __attribute__((aligned(32)));
 _Static_assert(sizeof parameters == 32, "a region of the memory protection");
 
@@ -148,27 +149,39 @@ static bool watch_learning(const struct supervision* state) {
   return true;
 }
 
+// Waits for the calibration's angle of `sample`. `*is_over`: there is none, because it was the last
+// or the signal has ended. What says so is asked twice: what counts or waits may be what is broken.
+static enum safe_angle_state next_angle(struct supervision* state, uint32_t sample, bool* is_over) {
+  const uint32_t last = parameters.last_sample;
+  if (last != ~parameters.last_complement) return safe_angle_copy;
+  if (sample > last) {
+    *is_over = true;
+    return sampling_count() >= last ? safe_angle_good : safe_angle_samples;
+  }
+  if (judgement_until(&state->judgement, sample)) {
+    uint32_t angle = 0;
+    return safe_angle_read(&safe, &angle);
+  }
+  if (!adc_ended()) return safe_angle_samples;
+  *is_over = true;
+  print_end(sampling_count());
+  return safe_angle_good;
+}
+
 // Every angle of the calibration. True, or the program's status in `*status`.
 static bool calibrate(struct supervision* state, uint32_t first, int* status) {
-  const uint32_t last = first + settings.calibration_samples;
-  for (uint32_t sample = first + 1; sample <= last; ++sample) {
-    uint32_t angle = 0;
-    enum safe_angle_state found = safe_angle_samples;
-    if (judgement_until(&state->judgement, sample)) {
-      found = safe_angle_read(&safe, &angle);
-    } else if (adc_ended()) {  // asked again: what waits may be what is broken
-      print_end(sampling_count());
-      return true;
-    }
+  for (uint32_t sample = first + 1;; ++sample) {
+    bool is_over = false;
+    const enum safe_angle_state found = next_angle(state, sample, &is_over);
     if (found != safe_angle_good) {
       *status = refuse_angle(found, sample);
       return false;
     }
+    if (is_over) return true;
     gpio_write(GPIO0, angle_good_pin, angle_good_pin);
     watchdog_serve();
     if ((sample - first) % settings.angle_stride == 0) print_angle(sample);
   }
-  return true;
 }
 
 int main(void) {
@@ -214,6 +227,8 @@ int main(void) {
   // Before anything is printed: the next sample is already one of the calibration.
   parameters.stored = coprocessor_read_parameters();
   const uint32_t demodulated = sampling_count();
+  parameters.last_sample = demodulated + settings.calibration_samples;
+  parameters.last_complement = ~parameters.last_sample;
   COPROCESSOR->CTRL = SAMPLING_CTRL;
   coprocessor_load_parameters(&parameters.stored);
   judgement_cover(&state.judgement);
