@@ -9,7 +9,8 @@
 // With Present = 0 every update is a coefficient's. With Safety = 0 there are no parity bits.
 module block_learning #(
   parameter int Present = 1,
-  parameter int Safety  = 1
+  parameter int Safety  = 1,
+  parameter int Channels = 1
 ) (
   input  logic        clk_i,
   input  logic        rst_ni,
@@ -31,12 +32,22 @@ module block_learning #(
   input  logic        weight_valid_i,
   input  logic [47:0] weight_i,
   output logic [47:0] sum_o,
-  output logic        bad_sum_o
+  output logic        bad_sum_o,
+  input  logic        [ 3:0] channel_i,   // whose sums these are
+  input  logic               shift_i,
+  input  chain_t      chain_i,
+  output chain_t      chain_o
 );
 
   // open: the block began with a window; begun: a sample is in its sums; within: no window has ended
   // since T3's last sample began.
   logic open_q, begun_q, within_q;
+  logic shift;
+  logic [2:0] moved;
+  assign shift = Channels > 1 && shift_i;
+  context_chain #(.Channels(Channels), .Width(3)) u_chain (
+    .kept_i({open_q, begun_q, within_q}), .chain_i, .moved_o(moved), .chain_o
+  );
   logic block, ended, counts, sum, update;
   assign block = block_i && Present != 0;
   assign ended = commit_i ? ended_i : !within_q;
@@ -63,6 +74,8 @@ module block_learning #(
       end else if (commit_i) begin
         within_q <= !ended_i;
       end
+    end else if (shift) begin
+      {open_q, begun_q, within_q} <= moved;
     end
   end
   assign learning_o.update = update_q;
@@ -87,8 +100,14 @@ module block_learning #(
     SumCv = 3'd5
   } sum_e;
 
-  // The sums: six words, each below its parity bit. Synthesis takes a block memory for 64 words and more, and logic for fewer.
-  logic [48:0] sums[0:63];
+  // The sums: six words of a channel, each below its parity bit. Synthesis takes a block memory for 64 words and more, and logic for
+  // fewer.
+  localparam int SumBits = Channels > 8 ? 7 : 6;
+  logic [48:0] sums[0:2**SumBits-1];
+  logic [SumBits-1:0] first_sum;
+  logic unused_channel;  // of few
+  assign first_sum = Channels > 1 ? SumBits'({channel_i, 3'd0}) : '0;
+  assign unused_channel = ^channel_i;
   logic [48:0] sum_read_q;
   logic [2:0] write_address, read_address;
   always_comb begin
@@ -111,8 +130,8 @@ module block_learning #(
     endcase
   end
   always_ff @(posedge clk_i) begin
-    if (sum_q && weight_valid_i) sums[{3'b0, write_address}] <= {Safety != 0 && (^weight_i ^ bad_parity_q), weight_i};
-    if (active_i) sum_read_q <= sums[{3'b0, read_address}];
+    if (sum_q && weight_valid_i) sums[first_sum | SumBits'(write_address)] <= {Safety != 0 && (^weight_i ^ bad_parity_q), weight_i};
+    if (active_i) sum_read_q <= sums[first_sum | SumBits'(read_address)];
   end
   assign sum_o = sum_read_q[47:0];
 

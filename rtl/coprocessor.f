@@ -7,6 +7,9 @@ cordic_pkg.sv
 add_subtract.sv
 block_learning.sv
 calibrator.sv
+channel_control.sv
+context_chain.sv
+context_memory.sv
 coprocessor.sv
 datapath.sv
 error_average.sv

@@ -62,6 +62,25 @@ typedef struct packed {
   logic [19:0] value;
 } correction_t;
 
+// A change of context (channel_control.sv). A word of the chain through all flip-flops of a context (context_chain.sv), which are
+// 32 words at the most
+typedef struct packed {
+  logic       shift;    // the chain moves at this edge, and the memories of words exchange word `index`
+  logic       clear;    // with the last word: the new context begins as after a reset
+  logic [4:0] index;
+  logic [3:0] channel;  // whose context is in the registers; still the old one's in a change
+} change_t;
+typedef logic [40:0] chain_t;
+
+// A word of a context: the chain's, and those of the memories for one channel
+typedef struct packed {
+  chain_t      chain;
+  logic [31:0] words;    // register_bank.sv
+  logic [31:0] sample;   // results_memory.sv
+  logic [31:0] error;
+  logic [31:0] quality;  // turn_judge.sv, results_memory.sv
+} context_t;
+
 // Interrupt enables, in CTRL's order
 typedef struct packed {
   logic safety, alarm, turn, error, lock, result;

@@ -19,7 +19,8 @@ module datapath #(
   parameter int IterationClocks = 1, // paper: clocks of an iteration of the arctangent, 1 or 2
   parameter int Block = 1,           // precise: with block learning
   parameter int Harmonics = 1,       // precise: with the harmonic correction
-  parameter int Safety = 1           // with the safety mechanisms
+  parameter int Safety = 1,          // with the safety mechanisms
+  parameter int Channels = 1
 ) (
   input  logic        clk_i, rst_ni, clear_i,
   input  tick_t       tick_i,
@@ -39,8 +40,17 @@ module datapath #(
   output status_t     status_o,
   output logic [31:0] turn_flags_o,
   input  logic [3:0]  result_select_i,  // results_memory.sv; 4 ANGLE
-  output logic [31:0] result_o
+  output logic [31:0] result_o,
+  // A change of context; words of the memories: of the new one, of the old one. `quality` comes out of results_memory.sv and goes into it and
+  // turn_judge.sv.
+  input  change_t     change_i,
+  input  chain_t      chain_i,
+  output chain_t      chain_o,
+  input  logic [31:0] context_sample_i, context_error_i, context_quality_i,
+  output logic [31:0] context_sample_o, context_error_o, context_quality_o
 );
+
+  chain_t chain_block, chain_average, chain_tags, chain_judge;
 
   logic boundary;
   logic [4:0] cycle, stage;
@@ -78,7 +88,8 @@ module datapath #(
   logic bad_sum, bad_node;
   block_learning #(
     .Present(Paper == 0 && Block != 0 ? 1 : 0),
-    .Safety (Safety)
+    .Safety (Safety),
+    .Channels(Channels)
   ) u_block_learning (
     .clk_i, .rst_ni, .clear_i,
     .boundary_i    (boundary),
@@ -97,7 +108,8 @@ module datapath #(
     .weight_valid_i(core.weight_valid),
     .weight_i      (core.weight),
     .sum_o         (sum),
-    .bad_sum_o     (bad_sum)
+    .bad_sum_o     (bad_sum),
+    .channel_i (change_i.channel), .shift_i (change_i.shift), .chain_i, .chain_o (chain_block)
   );
   assign updates = learning.update;
   assign state_we_o.weights_u = boundary && ((stage[3] && updates) || load[1]);
@@ -125,7 +137,8 @@ module datapath #(
   logic [31:0] relative;
   harmonic_correction #(
     .Present(Paper == 0 && Harmonics != 0 ? 1 : 0),
-    .Safety (Safety)
+    .Safety (Safety),
+    .Channels(Channels)
   ) u_harmonic_correction (
     .clk_i,
     .boundary_i(boundary),
@@ -139,7 +152,8 @@ module datapath #(
     .bad_parity_i(settings_i.safety.BAD_PARITY),
     .relative_i(core.relative),
     .relative_o(relative),
-    .bad_node_o(bad_node)
+    .bad_node_o(bad_node),
+    .channel_i (change_i.channel)
   );
 
   reference_generator #(
@@ -206,7 +220,9 @@ module datapath #(
 
   logic lock, diverged;
   logic [31:0] average;
-  error_average u_error_average (
+  error_average #(
+    .Channels(Channels)
+  ) u_error_average (
     .clk_i, .rst_ni, .clear_i,
     .boundary_i   (boundary),
     .commit_i     (commit_o),
@@ -216,14 +232,17 @@ module datapath #(
     .diverge_threshold_i(registers.DIVERGE_THRESHOLD),
     .average_o    (average),
     .lock_o       (lock),
-    .diverged_o   (diverged)
+    .diverged_o   (diverged),
+    .shift_i (change_i.shift), .chain_i (chain_block), .chain_o (chain_average)
   );
 
   logic [3:0] findings;
   logic [29:0] step;
   logic valid, result_any, angle_any, mirror4, turn4, permits;
   logic [2:0] slot0, slot1, slot2, slot3, slot4, result_slot;
-  sample_tags u_sample_tags (
+  sample_tags #(
+    .Channels(Channels)
+  ) u_sample_tags (
     .clk_i, .rst_ni, .clear_i,
     .boundary_i   (boundary),
     .enter_i      (tick_i.enter),
@@ -262,13 +281,16 @@ module datapath #(
     .status_lock_o    (status_o.lock),
     .status_diverged_o(status_o.diverged),
     .status_mirror_o  (status_o.mirror),
-    .status_valid_o   (status_o.valid)
+    .status_valid_o   (status_o.valid),
+    .shift_i (change_i.shift), .chain_i (chain_average), .chain_o (chain_tags)
   );
 
   logic quality_we, record_bank, record_any;
   logic [4:0] quality_address;
   logic [31:0] quality;
-  turn_judge u_turn_judge (
+  turn_judge #(
+    .Channels(Channels)
+  ) u_turn_judge (
     .clk_i, .rst_ni, .clear_i,
     .boundary_i       (boundary),
     .cycle_i          (cycle),
@@ -309,7 +331,12 @@ module datapath #(
     .last_timeout_o   (last_timeout),
     .alarm_next_o     (flags_o.alarm),
     .permits_o        (permits),
-    .step_o           (step)
+    .step_o           (step),
+    .shift_i          (change_i.shift),
+    .index_i          (change_i.index),
+    .context_i        (context_quality_i),
+    .chain_i          (chain_tags),
+    .chain_o          (chain_judge)
   );
 
   safety_monitor #(
@@ -335,7 +362,9 @@ module datapath #(
   logic [31:0] stored_result, angle_q;
   assign first = cycle == 5'd0;
   assign second = cycle == 5'd1;
-  results_memory u_results_memory (
+  results_memory #(
+    .Channels(Channels)
+  ) u_results_memory (
     .clk_i,
     .sample_we_i   (stage[0] && (first || second || core.calibrated_valid)),
     .sample_word_i (core.calibrated_valid ? {1'b1, !core.calibrated_s} : {1'b0, second}),
@@ -355,7 +384,9 @@ module datapath #(
     .data_o        (data),
     .select_i      (result_select_i),
     .slot_i        (result_slot),
-    .result_o      (stored_result)
+    .result_o      (stored_result),
+    .shift_i (change_i.shift), .index_i (change_i.index),
+    .context_sample_i, .context_error_i, .context_sample_o, .context_error_o, .context_quality_o
   );
 
 `ifdef VERILATOR
@@ -375,13 +406,20 @@ module datapath #(
 `endif
 
   // ANGLE keeps its word while there is no valid one.
+  logic shift;
+  logic [31:0] moved;
+  assign shift = Channels > 1 && change_i.shift;
+  context_chain #(.Channels(Channels), .Width(32)) u_chain (
+    .kept_i(angle_q), .chain_i(chain_judge), .moved_o(moved), .chain_o
+  );
   always_ff @(posedge clk_i) begin
     if (commit_o && valid) angle_q <= angle;
+    else if (shift) angle_q <= moved;
   end
   assign result_o = result_select_i == 4'd4 ? (angle_any ? angle_q : '0) :
                     (result_select_i > 4'd10 ? record_any : result_any) ? stored_result : '0;
 
-  logic unused_t2;  // T2 is not the core's
-  assign unused_t2 = core.saturated[2];
+  logic unused_bits;  // T2 is not the core's
+  assign unused_bits = core.saturated[2] ^ change_i.clear;
 
 endmodule

@@ -5,7 +5,9 @@
 //   average_o  u32, Q1.31, at most 2^31: the larger average, valid from the cycle after v's error
 //   lock_o, diverged_o   average below, above its threshold; 0 for the first 63 samples
 // sum' = sum + |err| - sum >>r 6 is 64 times the average (u38, Q1.37); average = sum >>r 6.
-module error_average (
+module error_average #(
+  parameter int Channels = 1
+) (
   input  logic               clk_i,
   input  logic               rst_ni,
   input  logic               clear_i,
@@ -17,13 +19,23 @@ module error_average (
   input  logic        [31:0] diverge_threshold_i,
   output logic        [31:0] average_o,
   output logic               lock_o,      // for the sample that enters T4 at this boundary
-  output logic               diverged_o
+  output logic               diverged_o,
+  input  logic               shift_i,
+  input  chain_t             chain_i,
+  output chain_t             chain_o
 );
 
   // `other` is the sum of the channel whose turn it is not: each error swaps the two.
   logic [37:0] sum_q, other_q;
   logic empty_q;
   logic [5:0] settled_q;
+
+  logic shift;
+  logic [82:0] moved;
+  assign shift = Channels > 1 && shift_i;
+  context_chain #(.Channels(Channels), .Width(83)) u_chain (
+    .kept_i({sum_q, other_q, empty_q, settled_q}), .chain_i, .moved_o(moved), .chain_o
+  );
 
   // Both terms come with a carry: |err| = (err ^ {s}) + s, and -(q + r) = ~q + ~r.
   logic minus;
@@ -44,6 +56,8 @@ module error_average (
     end else if (error_valid_i) begin
       sum_q <= other_q;
       other_q <= next;
+    end else if (shift) begin
+      {sum_q, other_q} <= moved[82:7];
     end
   end
 
@@ -64,6 +78,8 @@ module error_average (
     end else if (clear_i) begin
       empty_q <= 1'b1;
       settled_q <= '0;
+    end else if (shift) begin
+      {empty_q, settled_q} <= moved[6:0];
     end else begin
       if (error_valid_i) empty_q <= 1'b0;
       if (commit_i && counting) settled_q <= settled_q + 6'd1;

@@ -16,7 +16,8 @@
 // With Present = 0 the angle passes as it is. With Safety = 0 there are no parity bits.
 module harmonic_correction #(
   parameter int Present = 1,
-  parameter int Safety  = 1
+  parameter int Safety  = 1,
+  parameter int Channels = 1
 ) (
   input  logic        clk_i,
   input  logic        boundary_i,
@@ -30,7 +31,8 @@ module harmonic_correction #(
   input  logic        bad_parity_i,
   input  logic [31:0] relative_i,
   output logic [31:0] relative_o,
-  output logic        bad_node_o
+  output logic        bad_node_o,
+  input  logic [ 3:0] channel_i    // whose nodes these are
 );
 
   // Registers as they were at the tick's start.
@@ -55,11 +57,16 @@ module harmonic_correction #(
   assign address = position[22:16] + 7'(right);
 
   // A parity bit and a node. Anything at power-up: software writes all nodes before it sets CORRECT.
-  logic [20:0] table_memory[0:127];
+  localparam int TableBits = 7 + $clog2(Channels);
+  logic [20:0] table_memory[0:2**TableBits-1];
   logic [20:0] word_q;
+  logic [TableBits-1:0] first_node;
+  logic unused_channel;  // of few
+  assign first_node = Channels > 1 ? TableBits'({channel_i, 7'd0}) : '0;
+  assign unused_channel = ^channel_i;
   always_ff @(posedge clk_i) begin
-    if (write_i) table_memory[node_i] <= {Safety != 0 && (^value_i ^ bad_parity_i), value_i};
-    if (|cycle_i[4:3]) word_q <= table_memory[address];  // at rest nothing moves
+    if (write_i) table_memory[first_node | TableBits'(node_i)] <= {Safety != 0 && (^value_i ^ bad_parity_i), value_i};
+    if (|cycle_i[4:3]) word_q <= table_memory[first_node | TableBits'(address)];  // at rest nothing moves
   end
 
 `ifdef VERILATOR

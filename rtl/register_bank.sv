@@ -11,7 +11,8 @@ module register_bank #(
   parameter int TickClocks = 32,
   parameter int Block = 1,
   parameter int Harmonics = 1,
-  parameter int Safety = 1
+  parameter int Safety = 1,
+  parameter int Channels = 1
 ) (
   input  logic        clk_i,
   input  logic        rst_ni,
@@ -27,7 +28,8 @@ module register_bank #(
   output logic        pslverr_o,
   output logic        irq_o,
   // Sequencer
-  output logic        clear_o,       // CTRL.SRST
+  output logic        clear_o,       // CTRL.SRST, or a context begins as after a reset
+  output logic        soft_reset_o,  // CTRL.SRST
   output logic        adc_enable_o,
   output logic        soft_valid_o,  // SOFT_V is written: (soft_u_o, pwdata_i) is a sample
   output logic [31:0] soft_u_o,
@@ -55,15 +57,32 @@ module register_bank #(
   input  status_t     status_i,
   input  logic [31:0] turn_flags_i,
   output logic [3:0]  result_select_o,
-  input  logic [31:0] result_i
+  input  logic [31:0] result_i,
+  // Channels
+  input  logic        ready_i,         // the window shows the registers
+  output logic        refused_o,       // an access of one that it does not show
+  output logic        channel_write_o,
+  input  logic [31:0] channel_i,       // CHANNEL
+  output logic        ie_error_o,
+  output logic        clear_early_o,   // FLAGS.EARLY, EARLY_COUNT are cleared
+  output logic        clear_count_o,
+  input  logic        early_flag_i,    // more of both
+  input  logic [31:0] early_count_i,
+  input  change_t     change_i,
+  input  logic [31:0] context_i,       // word change_i.index of the memory in a change: the new one, the old one
+  output logic [31:0] context_o,
+  input  chain_t      chain_i,
+  output chain_t      chain_o
 );
 
   localparam logic [31:0] Latency = 32'(1 + 5 * TickClocks);  // five ticks after the one edge before them
 
+  localparam logic [31:0] Version = capsoc_coprocessor_pkg::VERSION_RESET + 32'(Channels > 1);
+
   // Decoding. An error has no effect and reads 0. A select holds for mapped addresses, and so do the groups.
   capsoc_coprocessor_selects_t select;
   capsoc_coprocessor_groups_t  group;
-  logic mapped, write, read, refused;
+  logic described, mapped, write, read, refused;
   logic [4:0] word_address;
   logic [31:0] readable, reset_word;
   capsoc_coprocessor_selects u_selects (
@@ -76,12 +95,32 @@ module register_bank #(
     .readable_o   (readable),
     .reset_o      (reset_word),
     .refused_o    (refused),
-    .mapped_o     (mapped)
+    .mapped_o     (described)
   );
+  logic elsewhere;  // an access of CHANNEL, or of a register that the window does not show
   assign write     = psel_i & penable_i & pwrite_i & mapped & (&pstrb_i);
   assign read      = psel_i & penable_i & ~pwrite_i & mapped;
   assign pready_o  = 1'b1;
-  assign pslverr_o = psel_i & penable_i & ~(write | read);
+  assign pslverr_o = psel_i & penable_i & ~(write | read | elsewhere);
+
+  // The window shows the registers of its channel, or only what all channels have. What it does not show is as if it were not mapped.
+  logic channel_read;
+  if (Channels > 1) begin : g_window
+    logic access, is_channel, open;
+    assign access          = psel_i & penable_i & (~pwrite_i | (&pstrb_i));
+    assign is_channel      = paddr_i == capsoc_coprocessor_pkg::CHANNEL_OFFSET;
+    assign open            = ready_i | select.ID | select.VERSION | select.LATENCY;
+    assign mapped          = described & open;
+    assign channel_write_o = access & is_channel & pwrite_i;
+    assign channel_read    = access & is_channel & ~pwrite_i;
+    assign refused_o       = access & described & ~open;
+    assign elsewhere       = (access & is_channel) | refused_o;
+  end else begin : g_no_window
+    assign mapped = described;
+    assign {elsewhere, channel_write_o, channel_read, refused_o} = '0;
+    logic unused_channel;
+    assign unused_channel = ready_i ^ channel_read ^ (^channel_i);
+  end
 
 `ifdef VERILATOR
   always_ff @(posedge clk_i) begin
@@ -89,10 +128,12 @@ module register_bank #(
   end
 `endif
 
-  logic write_ctrl, write_cmd, clear_counters, zero_phase;
+  logic write_ctrl, write_cmd, clear_counters, zero_phase, soft_reset;
   assign write_ctrl     = write & select.CTRL;
   assign write_cmd      = write & select.CMD;
-  assign clear_o        = write_ctrl & pwdata_i[capsoc_coprocessor_pkg::CTRL_SRST_LSB];
+  assign soft_reset     = write_ctrl & pwdata_i[capsoc_coprocessor_pkg::CTRL_SRST_LSB];
+  assign clear_o        = soft_reset | (Channels > 1 & change_i.clear);
+  assign soft_reset_o   = soft_reset;
   assign load_o         = write_cmd & pwdata_i[capsoc_coprocessor_pkg::CMD_LOAD_LSB];
   assign clear_counters = write_cmd & pwdata_i[capsoc_coprocessor_pkg::CMD_CLEAR_LSB];
   assign zero_phase     = write_cmd & pwdata_i[capsoc_coprocessor_pkg::CMD_PHASE0_LSB];
@@ -122,8 +163,10 @@ module register_bank #(
   assign word_source  = word_address ^ {4'd0, group.pair};
   assign word_we      = (read & group.high) |
                         (write & group.stored & ~soft_valid_o & ~refused & ~safety_refused);
+  chain_t chain_words, chain_settings, chain_state, chain_flags;
   word_memory #(
-    .Used (capsoc_coprocessor_pkg::WORDS & ~(Safety != 0 ? 32'd0 : 32'd1 << capsoc_coprocessor_pkg::SAFETY_WORD))
+    .Used (capsoc_coprocessor_pkg::WORDS & ~(Safety != 0 ? 32'd0 : 32'd1 << capsoc_coprocessor_pkg::SAFETY_WORD)),
+    .Channels (Channels)
   ) u_words (
     .clk_i, .rst_ni,
     .clear_i (clear_o),
@@ -132,8 +175,12 @@ module register_bank #(
     .wdata_i (pwrite_i ? pwdata_i & {32{~group.high}} : pair_low),
     .raddr_i (word_source),
     .valid_o (word_valid),
-    .rdata_o (word_read)
+    .rdata_o (word_read),
+    .shift_i (change_i.shift), .index_i (change_i.index), .context_i, .chain_i, .chain_o (chain_words)
   );
+  assign context_o = word_read;
+  logic unused_change;
+  assign unused_change = ^change_i;
   assign word_data = word_read & {32{word_valid}};
   assign soft_u_o  = word_data;
 
@@ -146,7 +193,8 @@ module register_bank #(
   setting_registers #(
     .Block (Paper == 0 && Block != 0 ? 1 : 0),
     .Harmonics (HasHarmonics),
-    .Safety (Safety)
+    .Safety (Safety),
+    .Channels (Channels)
   ) u_settings (
     .clk_i, .rst_ni,
     .clear_i       (clear_o),
@@ -160,13 +208,15 @@ module register_bank #(
     .settings_o    (settings),
     .boundary_i,
     .fault_o       (settings_fault),
-    .safety_fault_o(bad_safety_o)
+    .safety_fault_o(bad_safety_o),
+    .shift_i (change_i.shift), .clear_context_i (change_i.clear), .chain_i (chain_words), .chain_o (chain_settings)
   );
   assign settings_o = settings;
 
   state_registers #(
     .Paper (Paper),
-    .Safety (Safety)
+    .Safety (Safety),
+    .Channels (Channels)
   ) u_state (
     .clk_i, .rst_ni,
     .clear_i       (clear_o),
@@ -179,7 +229,8 @@ module register_bank #(
     .pair_high_o   (pair_high),
     .pair_low_o    (pair_low),
     .boundary_i, .state_we_i, .state_i, .state_o,
-    .fault_o       (state_fault)
+    .fault_o       (state_fault),
+    .shift_i (change_i.shift), .chain_i (chain_settings), .chain_o (chain_state)
   );
 
   logic       commit;
@@ -192,7 +243,8 @@ module register_bank #(
                    stream_early_i | soft_early_i,
                    {flags_i.zero, flags_i.sat, flags_i.clip} & {3{commit}}, commit};
   flag_register #(
-    .Safety (Safety)
+    .Safety (Safety),
+    .Channels (Channels)
   ) u_flags (
     .clk_i, .rst_ni,
     .clear_i      (clear_o),
@@ -200,9 +252,14 @@ module register_bank #(
     .write_i      (write & select.FLAGS),
     .write_data_i (pwdata_i[15:0]),
     .enables_i    (enables),
+    .early_i      (early_flag_i),
     .flags_o      (flags),
-    .irq_o
+    .irq_o,
+    .shift_i (change_i.shift), .chain_i (chain_state), .chain_o (chain_flags)
   );
+  assign ie_error_o    = enables.error;
+  assign clear_early_o = soft_reset | (write & select.FLAGS & pwdata_i[capsoc_coprocessor_pkg::FLAGS_EARLY_LSB]);
+  assign clear_count_o = soft_reset | clear_counters;
 
   localparam int ParityFlag = capsoc_coprocessor_pkg::FLAGS_PARITY_LSB;
   assign pending_o  = flags[capsoc_coprocessor_pkg::FLAGS_RESULT_LSB];
@@ -210,15 +267,28 @@ module register_bank #(
   localparam int AlarmFlag = capsoc_coprocessor_pkg::FLAGS_ALARM_LSB;
   assign frozen_o = freeze & (flags[AlarmFlag] | events[AlarmFlag]);
 
-  logic [31:0] samples, early_count;
-  sample_counters u_counters (
+  logic [31:0] samples, early_count, early_here;
+  sample_counters #(
+    .Channels (Channels)
+  ) u_counters (
     .clk_i, .rst_ni,
     .clear_i       (clear_o | clear_counters),
     .commit_i      (commit),
     .stream_early_i, .soft_early_i,
     .samples_o     (samples),
-    .early_count_o (early_count)
+    .early_count_o (early_here),
+    .shift_i (change_i.shift), .chain_i (chain_flags), .chain_o
   );
+  // Samples that were lost while the channel was active, and others.
+  if (Channels > 1) begin : g_early_count
+    logic [32:0] early_sum;
+    assign early_sum = {1'b0, early_here} + {1'b0, early_count_i};
+    assign early_count = early_sum[31:0] | {32{early_sum[32]}};
+  end else begin : g_early_here
+    assign early_count = early_here;
+    logic unused_count;
+    assign unused_count = ^early_count_i;
+  end
 
   // Reading: two levels of choices, the narrow words among them. A number's bits are the registers that have
   // them: a multiplexer by number takes less than one by selects, and one of three words (numbers 0 to 2) half
@@ -296,7 +366,7 @@ module register_bank #(
   assign shown = select & {$bits(select){mapped}};
   assign unused_shown = ^shown;
   assign narrow = (capsoc_coprocessor_pkg::ID_RESET & {32{shown.ID}}) |
-                  (capsoc_coprocessor_pkg::VERSION_RESET & {32{shown.VERSION}}) |
+                  (Version & {32{shown.VERSION}}) |
                   (ctrl & {32{shown.CTRL}}) | (status & {32{shown.STATUS}}) |
                   ({16'd0, flags} & {32{shown.FLAGS}}) | (loop & {32{shown.LOOP}}) |
                   (Latency & {32{shown.LATENCY}}) |
@@ -305,13 +375,19 @@ module register_bank #(
   // A setting that was never written reads its reset value.
   assign stored = word_valid ? word_data & readable : reset_word;
 
+  logic [31:0] shown_word;
   always_comb begin
     case (kind)
-      2'd0:    prdata_o = wide;
-      2'd1:    prdata_o = pair_high;
-      2'd2:    prdata_o = stored;
-      default: prdata_o = result_i;
+      2'd0:    shown_word = wide;
+      2'd1:    shown_word = pair_high;
+      2'd2:    shown_word = stored;
+      default: shown_word = result_i;
     endcase
+  end
+  if (Channels > 1) begin : g_prdata
+    assign prdata_o = shown_word | (channel_i & {32{channel_read}});
+  end else begin : g_prdata_of_one
+    assign prdata_o = shown_word;
   end
 
 endmodule

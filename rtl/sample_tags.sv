@@ -4,7 +4,9 @@
 //
 // Each input belongs to the stage that makes it and is valid at that stage's last cycle, except saturated_i[s]: stage s
 // lost high bits in this cycle, which may be any.
-module sample_tags (
+module sample_tags #(
+  parameter int Channels = 1
+) (
   input  logic       clk_i,
   input  logic       rst_ni,
   input  logic       clear_i,
@@ -45,7 +47,10 @@ module sample_tags (
   output logic       status_lock_o,
   output logic       status_diverged_o,
   output logic       status_mirror_o,
-  output logic       status_valid_o
+  output logic       status_valid_o,
+  input  logic               shift_i,
+  input  chain_t     chain_i,
+  output chain_t     chain_o
 );
 
   logic [2:0] slot0_q, slot1_q, slot2_q, slot3_q, slot4_q, result_slot_q;
@@ -55,6 +60,14 @@ module sample_tags (
   logic [2:0] unsettled_q;  // of T2 to T4
   logic [1:0] turn_q;    // of T3 and T4
   logic lock4_q, diverged4_q, calib4_q;
+
+  logic result_any_q, angle_any_q, lock_q, diverged_q, mirror_status_q, valid_q;
+  logic shift;
+  logic [11:0] moved;
+  assign shift = Channels > 1 && shift_i;
+  context_chain #(.Channels(Channels), .Width(12)) u_chain (
+    .kept_i({slot0_q, result_slot_q, result_any_q, angle_any_q, lock_q, diverged_q, mirror_status_q, valid_q}), .chain_i, .moved_o(moved), .chain_o
+  );
 
   // No reset: a tag means nothing unless the sequencer says that its stage holds a sample.
   always_ff @(posedge clk_i) begin
@@ -76,18 +89,19 @@ module sample_tags (
       saturated_q <= saturated_q | saturated_i;
     end
     if (commit_o) result_slot_q <= slot4_q;
+    else if (shift) result_slot_q <= moved[8:6];
   end
 
   // Slots are handed out in turn; the first one does not matter.
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) slot0_q <= '0;
     else if (boundary_i && enter_i) slot0_q <= slot0_q + 3'd1;
+    else if (shift) slot0_q <= moved[11:9];
   end
 
   logic lock, unsettled;
   assign lock = lock4_q && permits_i;
   assign unsettled = unsettled_q[2] || unsettled4_i;
-  logic result_any_q, angle_any_q, lock_q, diverged_q, mirror_status_q, valid_q;
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
       {result_any_q, angle_any_q, lock_q, diverged_q, mirror_status_q, valid_q} <= '0;
@@ -100,6 +114,8 @@ module sample_tags (
       diverged_q <= diverged4_q;
       mirror_status_q <= mirror_q[3];
       valid_q <= valid_o;
+    end else if (shift) begin
+      {result_any_q, angle_any_q, lock_q, diverged_q, mirror_status_q, valid_q} <= moved[5:0];
     end
   end
 

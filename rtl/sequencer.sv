@@ -9,7 +9,8 @@
 // Formats: a sample's words Q1.31, never computed with. The tick's boundary is the edge that ends
 // an interval with tick_o.boundary = 1.
 module sequencer #(
-  parameter int TickClocks = 32  // or 64
+  parameter int TickClocks = 32, // or 64
+  parameter int Channels = 1
 ) (
   input  logic        clk_i,
   input  logic        rst_ni,
@@ -24,8 +25,17 @@ module sequencer #(
   output logic        place_free_o,    // the holding register can take a sample at this edge
   output logic        stream_early_o,  // a sample of this edge is lost
   output logic        soft_early_o,
+  // Of several channels
+  input  logic        blocked_i,         // the held sample may not enter
+  input  logic        held_foreign_i,    // it is not of the active channel: it is no business of the pipeline's, and a soft reset leaves it
+  input  logic        stream_foreign_i,  // nor is the one of the stream
+  output logic        stream_latch_o,    // the holding register takes a sample at this edge
+  output logic        soft_latch_o,
+  output logic        running_o,         // a tick is under way
+  output logic        held_valid_o,
+  output logic        load_pending_o,
   output logic        busy_o,
-  output logic        busy_next_o,     // as this edge leaves it
+  output logic        busy_next_o,       // as this edge leaves it
   // To the datapath
   output tick_t       tick_o,
   output sample_t     held_o
@@ -41,16 +51,18 @@ module sequencer #(
 
   // A tick runs if something is in it. There is no other state of being busy: whatever could wait
   // when a tick ends empty enters at that boundary.
-  logic       running, boundary, enter;
+  logic       running, boundary, enter, blocked, held_own;
   logic [2:0] load_start;
   assign running    = (|stage_q) | (|load_q);
-  assign boundary  = running ? cycle_q == LastClock : held_q | load_pending_q;
+  assign blocked   = Channels > 1 & blocked_i;
+  assign held_own  = held_q & ~(Channels > 1 & held_foreign_i);
+  assign boundary  = running ? cycle_q == LastClock : (held_q & ~blocked) | load_pending_q;
 
   // A load begins when no sample is left in the pipeline, and no sample passes a load that waits.
   logic load_goes_on, load_begins;
   assign load_goes_on = |load_q[1:0];
   assign load_begins  = boundary & load_pending_q & ~load_goes_on & ~(|stage_q[3:0]);
-  assign enter        = boundary & held_q & ~load_pending_q & ~load_goes_on;
+  assign enter        = boundary & held_q & ~load_pending_q & ~load_goes_on & ~blocked;
   assign load_start   = {load_q[1], load_q[0], load_begins} & {3{boundary}};
 
   logic stream_latch, soft_latch, latch;
@@ -61,6 +73,14 @@ module sequencer #(
   assign soft_early_o   = soft_valid_i & ~soft_latch;
   assign latch          = stream_latch | soft_latch;
 
+  logic foreign_d;
+  assign foreign_d = Channels > 1 & (latch ? stream_latch & stream_foreign_i : held_foreign_i);
+  assign stream_latch_o = stream_latch;
+  assign soft_latch_o   = soft_latch;
+  assign running_o      = running;
+  assign held_valid_o   = held_q;
+  assign load_pending_o = load_pending_q;
+
   always_comb begin
     held_d         = latch | (held_q & ~enter);
     load_pending_d = load_i | (load_pending_q & ~load_begins);
@@ -69,6 +89,7 @@ module sequencer #(
     load_d         = boundary ? load_start : load_q;
     if (clear_i) begin
       held_d         = 1'b0;
+      if (foreign_d) held_d = latch | ~place_free_o;
       load_pending_d = 1'b0;
       cycle_d        = '0;
       stage_d        = '0;
@@ -120,8 +141,8 @@ module sequencer #(
     end
   end
 
-  assign busy_next_o = held_d | load_pending_d | (|stage_d) | (|load_d);
-  assign busy_o = running | held_q | load_pending_q;
+  assign busy_next_o = (held_d & ~foreign_d) | load_pending_d | (|stage_d) | (|load_d);
+  assign busy_o = running | held_own | load_pending_q;
   assign tick_o.boundary   = boundary;
   assign tick_o.enter      = enter;
   assign tick_o.clock      = 6'(cycle_q);

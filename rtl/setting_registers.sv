@@ -7,7 +7,8 @@
 module setting_registers #(
   parameter int Block = 1,     // CTRL.BLOCK and GUARD are there
   parameter int Harmonics = 1, // CTRL.CORRECT is there
-  parameter int Safety = 1     // SAFETY, CTRL.IE_SAFETY and parity bits are there
+  parameter int Safety = 1,    // SAFETY, CTRL.IE_SAFETY and parity bits are there
+  parameter int Channels = 1
 ) (
   input  logic        clk_i,
   input  logic        rst_ni,
@@ -23,7 +24,11 @@ module setting_registers #(
   input  logic        boundary_i,
   // With boundary_i: a register, SAFETY does not fit its parity bit
   output logic        fault_o,
-  output logic        safety_fault_o
+  output logic        safety_fault_o,
+  input  logic               shift_i,
+  input  logic               clear_context_i,
+  input  chain_t      chain_i,
+  output chain_t      chain_o
 );
 
   localparam logic [31:0] CtrlReset = capsoc_coprocessor_pkg::CTRL_RESET;
@@ -34,8 +39,14 @@ module setting_registers #(
   logic       ie_turn_q, ie_alarm_q, ie_safety_q, freeze_q, block_q, guard_q, correct_q;
   logic [1:0] ref_q;
 
-  logic write_ctrl;
+  logic write_ctrl, clear_ctrl;
   assign write_ctrl = write_i & select_i.CTRL;
+  assign clear_ctrl = Channels > 1 && clear_context_i;
+
+  // CTRL, LOOP, SAFETY and their parity bits
+  logic shift;
+  logic [42:0] moved;
+  assign shift = Channels > 1 && shift_i;
 
   // A word with SRST is not looked at any further.
   logic reserved_ref;
@@ -62,7 +73,7 @@ module setting_registers #(
       block_q     <= CtrlReset[capsoc_coprocessor_pkg::CTRL_BLOCK_LSB];
       guard_q     <= CtrlReset[capsoc_coprocessor_pkg::CTRL_GUARD_LSB];
       correct_q   <= CtrlReset[capsoc_coprocessor_pkg::CTRL_CORRECT_LSB];
-    end else if (write_ctrl) begin
+    end else if (write_ctrl | clear_ctrl) begin
       demod_q     <= ctrl_data[capsoc_coprocessor_pkg::CTRL_DEMOD_LSB];
       calib_q     <= ctrl_data[capsoc_coprocessor_pkg::CTRL_CALIB_LSB];
       if (clear_i | ~reserved_ref) ref_q <= ctrl_data[RefHigh:RefLow];
@@ -77,6 +88,9 @@ module setting_registers #(
       block_q     <= ctrl_data[capsoc_coprocessor_pkg::CTRL_BLOCK_LSB] & Block != 0;
       guard_q     <= ctrl_data[capsoc_coprocessor_pkg::CTRL_GUARD_LSB] & Block != 0;
       correct_q   <= ctrl_data[capsoc_coprocessor_pkg::CTRL_CORRECT_LSB] & Harmonics != 0;
+    end else if (shift) begin
+      {demod_q, calib_q, ref_q, adc_q, ie_result_q, ie_lock_q, ie_error_q, ie_turn_q, ie_alarm_q, ie_safety_q, freeze_q,
+       block_q, guard_q, correct_q} <= moved[42:28];
     end
   end
   assign adc_enable_o = adc_q;
@@ -103,6 +117,8 @@ module setting_registers #(
     end else if (clear_i | write_loop) begin
       kp_q <= clear_i ? LoopReset[KpHigh:KpLow] : pwdata_i[KpHigh:KpLow];
       ki_q <= clear_i ? LoopReset[KiHigh:KiLow] : pwdata_i[KiHigh:KiLow];
+    end else if (shift) begin
+      {kp_q, ki_q} <= moved[27:18];
     end
   end
 
@@ -123,6 +139,8 @@ module setting_registers #(
       bad_parity_q  <= safety_data.BAD_PARITY;
       error_limit_q <= safety_data.ERROR_LIMIT;
       step_limit_q  <= safety_data.STEP_LIMIT;
+    end else if (shift) begin
+      {mechanisms_q, bad_parity_q, error_limit_q, step_limit_q} <= moved[17:3];
     end
   end
   assign unused_safety = ^safety_data;
@@ -135,22 +153,34 @@ module setting_registers #(
   assign safety.RESERVED_7_4   = '0;
   assign {safety.MISSED, safety.JUMP, safety.MISFIT, safety.PARITY} = mechanisms_q;
 
+  logic [2:0] parity_q;
+  chain_t chain;
+  context_chain #(.Channels(Channels), .Width(43)) u_chain (
+    .kept_i({demod_q, calib_q, ref_q, adc_q, ie_result_q, ie_lock_q, ie_error_q, ie_turn_q, ie_alarm_q, ie_safety_q, freeze_q,
+             block_q, guard_q, correct_q, kp_q, ki_q, mechanisms_q, bad_parity_q, error_limit_q, step_limit_q, parity_q}),
+    .chain_i, .moved_o(moved), .chain_o(chain)
+  );
+
   // The registers whose word is all that the pipeline reads
   capsoc_coprocessor_settings_t registers;
   logic registers_fault;
   capsoc_coprocessor_settings #(
-    .Parity (Safety)
+    .Parity (Safety),
+    .Channels (Channels)
   ) u_registers (
     .clk_i, .rst_ni,
     .clear_i, .write_i, .select_i,
     .write_data_i (pwdata_i),
     .bad_parity_i (bad_parity_q),
     .settings_o   (registers),
-    .fault_o      (registers_fault)
+    .fault_o      (registers_fault),
+    .shift_i,
+    .chain_i      (chain),
+    .chain_o
   );
 
   // A parity bit for each of SAFETY, LOOP, CTRL.
-  logic [2:0] parity_q, written, next_parity, parity;
+  logic [2:0] written, next_parity, parity;
   logic [1:0] ref_d;
   assign ref_d       = clear_i | ~reserved_ref ? ctrl_data[RefHigh:RefLow] : ref_q;
   assign written     = {write_safety, write_loop, write_ctrl};
@@ -175,6 +205,7 @@ module setting_registers #(
     if (!rst_ni) parity_q <= ResetParity;
     else if (clear_i) parity_q <= ResetParity;
     else if (|written) parity_q <= ((parity_q & ~written) | (next_parity & written)) & {3{Safety != 0}};
+    else if (shift) parity_q <= moved[2:0];
   end
   assign parity = {^{mechanisms_q, bad_parity_q, error_limit_q, step_limit_q},
                    ^{kp_q, ki_q},

@@ -6,7 +6,8 @@
 // a1, a2, b1, b2 Q1.31; beta, phi 2^-32 turn.
 module state_registers #(
   parameter int Paper = 0,
-  parameter int Safety = 1            // the registers have parity bits
+  parameter int Safety = 1,           // the registers have parity bits
+  parameter int Channels = 1
 ) (
   input  logic        clk_i,
   input  logic        rst_ni,
@@ -25,7 +26,10 @@ module state_registers #(
   input  state_we_t   state_we_i,
   input  state_t      state_i,
   output state_t      state_o,
-  output logic        fault_o         // with boundary_i: a register does not fit its parity bit
+  output logic        fault_o,        // with boundary_i: a register does not fit its parity bit
+  input  logic        shift_i,
+  input  chain_t      chain_i,
+  output chain_t      chain_o
 );
 
   localparam logic [47:0] Half = 48'd1 << 45;  // 0.5, the reset value of a_u and b_v
@@ -94,90 +98,106 @@ module state_registers #(
   assign phase_parity       = bad_parity_i ^ (^phase_word);
   assign fault_o            = |fault;
 
-  shared_register #(.Width(48), .ResetValue('0), .Safety(Safety)) u_freq (
+  chain_t chain_freq, chain_phase, chain_au, chain_bu, chain_cu, chain_av, chain_bv, chain_cv, chain_a1, chain_a2, chain_b1, chain_b2, chain_beta;
+
+  shared_register #(.Width(48), .ResetValue('0), .Safety(Safety), .Channels(Channels)) u_freq (
     .clk_i, .rst_ni, .clear_i, .bus_we_i (write_i & select_i.FREQ_HI), .bus_i (phase_word),
     .bus_parity_i (phase_parity),
     .pipeline_we_i (pipeline_we.freq), .pipeline_i (state_i.freq), .q_o (freq),
-    .boundary_i, .fault_o (fault[0])
+    .boundary_i, .fault_o (fault[0]),
+    .shift_i, .chain_i (chain_i), .chain_o (chain_freq)
   );
-  shared_register #(.Width(48), .ResetValue('0), .Safety(Safety)) u_phase (
+  shared_register #(.Width(48), .ResetValue('0), .Safety(Safety), .Channels(Channels)) u_phase (
     .clk_i, .rst_ni, .clear_i, .bus_we_i (zero_phase_i | (write_i & select_i.PHASE_HI)),
     .bus_i (phase_word & {48{~zero_phase_i}}),
     .bus_parity_i (phase_parity & ~zero_phase_i ^ zero_phase_i & bad_parity_i),
     .pipeline_we_i (pipeline_we.phase), .pipeline_i (state_i.phase), .q_o (phase),
-    .boundary_i, .fault_o (fault[1])
+    .boundary_i, .fault_o (fault[1]),
+    .shift_i, .chain_i (chain_freq), .chain_o (chain_phase)
   );
-  shared_register #(.Width(48), .ResetValue(Half), .Safety(Safety)) u_au (
+  shared_register #(.Width(48), .ResetValue(Half), .Safety(Safety), .Channels(Channels)) u_au (
     .clk_i, .rst_ni, .clear_i, .bus_we_i (write_i & select_i.AU_HI), .bus_i (coefficient),
     .bus_parity_i (coefficient_parity),
     .pipeline_we_i (pipeline_we.weights_u), .pipeline_i (state_i.weights.au), .q_o (au),
-    .boundary_i, .fault_o (fault[2])
+    .boundary_i, .fault_o (fault[2]),
+    .shift_i, .chain_i (chain_phase), .chain_o (chain_au)
   );
-  shared_register #(.Width(48), .ResetValue('0), .Safety(Safety)) u_bu (
+  shared_register #(.Width(48), .ResetValue('0), .Safety(Safety), .Channels(Channels)) u_bu (
     .clk_i, .rst_ni, .clear_i, .bus_we_i (write_i & select_i.BU_HI), .bus_i (coefficient),
     .bus_parity_i (coefficient_parity),
     .pipeline_we_i (pipeline_we.weights_u), .pipeline_i (state_i.weights.bu), .q_o (bu),
-    .boundary_i, .fault_o (fault[3])
+    .boundary_i, .fault_o (fault[3]),
+    .shift_i, .chain_i (chain_au), .chain_o (chain_bu)
   );
-  shared_register #(.Width(48), .ResetValue('0), .Safety(Safety)) u_cu (
+  shared_register #(.Width(48), .ResetValue('0), .Safety(Safety), .Channels(Channels)) u_cu (
     .clk_i, .rst_ni, .clear_i, .bus_we_i (write_i & select_i.CU_HI), .bus_i (coefficient),
     .bus_parity_i (coefficient_parity),
     .pipeline_we_i (pipeline_we.weights_u), .pipeline_i (state_i.weights.cu), .q_o (cu),
-    .boundary_i, .fault_o (fault[4])
+    .boundary_i, .fault_o (fault[4]),
+    .shift_i, .chain_i (chain_bu), .chain_o (chain_cu)
   );
-  shared_register #(.Width(48), .ResetValue('0), .Safety(Safety)) u_av (
+  shared_register #(.Width(48), .ResetValue('0), .Safety(Safety), .Channels(Channels)) u_av (
     .clk_i, .rst_ni, .clear_i, .bus_we_i (write_i & select_i.AV_HI), .bus_i (coefficient),
     .bus_parity_i (coefficient_parity),
     .pipeline_we_i (pipeline_we.weights_v), .pipeline_i (state_i.weights.av), .q_o (av),
-    .boundary_i, .fault_o (fault[5])
+    .boundary_i, .fault_o (fault[5]),
+    .shift_i, .chain_i (chain_cu), .chain_o (chain_av)
   );
-  shared_register #(.Width(48), .ResetValue(Half), .Safety(Safety)) u_bv (
+  shared_register #(.Width(48), .ResetValue(Half), .Safety(Safety), .Channels(Channels)) u_bv (
     .clk_i, .rst_ni, .clear_i, .bus_we_i (write_i & select_i.BV_HI), .bus_i (coefficient),
     .bus_parity_i (coefficient_parity),
     .pipeline_we_i (pipeline_we.weights_v), .pipeline_i (state_i.weights.bv), .q_o (bv),
-    .boundary_i, .fault_o (fault[6])
+    .boundary_i, .fault_o (fault[6]),
+    .shift_i, .chain_i (chain_av), .chain_o (chain_bv)
   );
-  shared_register #(.Width(48), .ResetValue('0), .Safety(Safety)) u_cv (
+  shared_register #(.Width(48), .ResetValue('0), .Safety(Safety), .Channels(Channels)) u_cv (
     .clk_i, .rst_ni, .clear_i, .bus_we_i (write_i & select_i.CV_HI), .bus_i (coefficient),
     .bus_parity_i (coefficient_parity),
     .pipeline_we_i (pipeline_we.weights_v), .pipeline_i (state_i.weights.cv), .q_o (cv),
-    .boundary_i, .fault_o (fault[7])
+    .boundary_i, .fault_o (fault[7]),
+    .shift_i, .chain_i (chain_bv), .chain_o (chain_cv)
   );
-  shared_register #(.Width(32), .ResetValue(A1Reset), .Safety(Safety)) u_a1 (
+  shared_register #(.Width(32), .ResetValue(A1Reset), .Safety(Safety), .Channels(Channels)) u_a1 (
     .clk_i, .rst_ni, .clear_i, .bus_we_i (write_i & select_i.A1), .bus_i (pwdata_i),
     .bus_parity_i (word_parity),
     .pipeline_we_i (pipeline_we.parameters), .pipeline_i (state_i.parameters.a1), .q_o (a1),
-    .boundary_i, .fault_o (fault[8])
+    .boundary_i, .fault_o (fault[8]),
+    .shift_i, .chain_i (chain_cv), .chain_o (chain_a1)
   );
-  shared_register #(.Width(32), .ResetValue(A2Reset), .Safety(Safety)) u_a2 (
+  shared_register #(.Width(32), .ResetValue(A2Reset), .Safety(Safety), .Channels(Channels)) u_a2 (
     .clk_i, .rst_ni, .clear_i, .bus_we_i (write_i & select_i.A2), .bus_i (pwdata_i),
     .bus_parity_i (word_parity),
     .pipeline_we_i (pipeline_we.parameters), .pipeline_i (state_i.parameters.a2), .q_o (a2),
-    .boundary_i, .fault_o (fault[9])
+    .boundary_i, .fault_o (fault[9]),
+    .shift_i, .chain_i (chain_a1), .chain_o (chain_a2)
   );
-  shared_register #(.Width(32), .ResetValue('0), .Safety(Safety)) u_b1 (
+  shared_register #(.Width(32), .ResetValue('0), .Safety(Safety), .Channels(Channels)) u_b1 (
     .clk_i, .rst_ni, .clear_i, .bus_we_i (write_i & select_i.B1), .bus_i (pwdata_i),
     .bus_parity_i (word_parity),
     .pipeline_we_i (pipeline_we.parameters), .pipeline_i (state_i.parameters.b1), .q_o (b1),
-    .boundary_i, .fault_o (fault[10])
+    .boundary_i, .fault_o (fault[10]),
+    .shift_i, .chain_i (chain_a2), .chain_o (chain_b1)
   );
-  shared_register #(.Width(32), .ResetValue('0), .Safety(Safety)) u_b2 (
+  shared_register #(.Width(32), .ResetValue('0), .Safety(Safety), .Channels(Channels)) u_b2 (
     .clk_i, .rst_ni, .clear_i, .bus_we_i (write_i & select_i.B2), .bus_i (pwdata_i),
     .bus_parity_i (word_parity),
     .pipeline_we_i (pipeline_we.parameters), .pipeline_i (state_i.parameters.b2), .q_o (b2),
-    .boundary_i, .fault_o (fault[11])
+    .boundary_i, .fault_o (fault[11]),
+    .shift_i, .chain_i (chain_b1), .chain_o (chain_b2)
   );
-  shared_register #(.Width(32), .ResetValue('0), .Safety(Safety)) u_beta (
+  shared_register #(.Width(32), .ResetValue('0), .Safety(Safety), .Channels(Channels)) u_beta (
     .clk_i, .rst_ni, .clear_i, .bus_we_i (write_i & select_i.BETA), .bus_i (pwdata_i),
     .bus_parity_i (word_parity),
     .pipeline_we_i (pipeline_we.parameters), .pipeline_i (state_i.parameters.beta), .q_o (beta),
-    .boundary_i, .fault_o (fault[12])
+    .boundary_i, .fault_o (fault[12]),
+    .shift_i, .chain_i (chain_b2), .chain_o (chain_beta)
   );
-  shared_register #(.Width(32), .ResetValue('0), .Safety(Safety)) u_phi (
+  shared_register #(.Width(32), .ResetValue('0), .Safety(Safety), .Channels(Channels)) u_phi (
     .clk_i, .rst_ni, .clear_i, .bus_we_i (write_i & select_i.PHI), .bus_i (pwdata_i),
     .bus_parity_i (word_parity),
     .pipeline_we_i (pipeline_we.parameters), .pipeline_i (state_i.parameters.phi), .q_o (phi),
-    .boundary_i, .fault_o (fault[13])
+    .boundary_i, .fault_o (fault[13]),
+    .shift_i, .chain_i (chain_beta), .chain_o
   );
   logic unused_selects;  // of the other registers
   assign unused_selects = ^select_i;

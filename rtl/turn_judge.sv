@@ -9,7 +9,9 @@
 // Two banks take turns: one is the window under way, the other the window that ended last.
 // Other stages write in cycles that T4 leaves free: T2 the residue in cycle 0, T0 DET in 6, T3 the average in 26. T1
 // (precise) or T2 (paper) writes the amplitude in 11. cycle_e is T4's schedule.
-module turn_judge (
+module turn_judge #(
+  parameter int Channels = 1
+) (
   input  logic        clk_i,
   input  logic        rst_ni,
   input  logic        clear_i,
@@ -57,7 +59,12 @@ module turn_judge (
   output logic        last_timeout_o,
   output logic        alarm_next_o,
   output logic        permits_o,          // LOCK, as far as the judge is concerned
-  output logic [29:0] step_o              // from the angle of the sample before; 0 for the first one
+  output logic [29:0] step_o,             // from the angle of the sample before; 0 for the first one
+  input  logic               shift_i,
+  input  logic        [ 4:0] index_i,
+  input  logic [31:0] context_i,          // word index_i of the memory in a change
+  input  chain_t      chain_i,
+  output chain_t      chain_o
 );
 
   // The schedule of T4. P is product_q, T is word_q, M the word read from the memory.
@@ -132,6 +139,11 @@ module turn_judge (
       by_angle_q <= ref_i != '0;
     end
   end
+
+  // What a channel keeps, in addition to its record.
+  logic shift;
+  logic [95:0] moved;
+  assign shift = Channels > 1 && shift_i;
 
   // The schedule.
   logic multiply, alarm_product, absolute, minus_one, first;
@@ -245,14 +257,16 @@ module turn_judge (
   logic [31:0] stage_word;
   assign stage_word = det_valid_i ? det_i : average_valid ? average_i : amplitude_i;
   assign write_o = residue_valid || det_valid_i || amplitude_valid_i || average_valid ||
-      (active && own);
+      (active && own) || shift;
   always_comb begin
-    if (residue_valid) write_data_o = residue_i;
+    if (shift) write_data_o = context_i;
+    else if (residue_valid) write_data_o = residue_i;
     else if (det_valid_i || amplitude_valid_i || average_valid) write_data_o = stage_word;
     else write_data_o = sum[31:0];
   end
   always_comb begin
-    if (residue_valid) write_address_o = {Residue, slot2_i[1:0]};
+    if (shift) write_address_o = index_i;
+    else if (residue_valid) write_address_o = {Residue, slot2_i[1:0]};
     else if (det_valid_i) write_address_o = {Det, slot0_i};
     else if (amplitude_valid_i) write_address_o = {Amplitude, amplitude_late_i ? slot2_i : slot1_i};
     else if (average_valid) write_address_o = {Average, slot3_i};
@@ -281,6 +295,7 @@ module turn_judge (
   always_ff @(posedge clk_i) begin
     if (active && cycle_i == TakeStep) step_q <= step_d;
     if (commit_i) last_angle_q <= angle_i;
+    else if (shift) last_angle_q <= moved[95:66];
   end
 
   assign step_o = step_q & {30{any_sample_q}};
@@ -304,6 +319,8 @@ module turn_judge (
       clipped_q <= clipped;
       {radius_q, wild_q, mirror_q, no_angle_q, saturated_q, residue_q} <=
           {radius, wild, mirror, no_angle, saturated, residue};
+    end else if (shift) begin
+      {octants_q, clipped_q, radius_q, wild_q, mirror_q, no_angle_q, saturated_q, residue_q} <= moved[65:44];
     end
   end
 
@@ -366,6 +383,8 @@ module turn_judge (
         turn_count_q <= turn_count_q + 8'd1;
         flags_q <= flags;
       end
+    end else if (shift) begin
+      {fresh_q, bank_q, any_q, any_sample_q, alarm_q, glitches_q, good_turns_q, turn_count_q, flags_q} <= moved[43:0];
     end
   end
   logic ends;
@@ -377,6 +396,12 @@ module turn_judge (
   assign turn_flags_o = {turn_count_q, flags_q};
   assign good_turns_o = good_turns_q;
   assign alarm_o = alarm_q;
+
+  context_chain #(.Channels(Channels), .Width(96)) u_chain (
+    .kept_i({last_angle_q, octants_q, clipped_q, radius_q, wild_q, mirror_q, no_angle_q, saturated_q, residue_q,
+             fresh_q, bank_q, any_q, any_sample_q, alarm_q, glitches_q, good_turns_q, turn_count_q, flags_q}),
+    .chain_i, .moved_o(moved), .chain_o
+  );
 
   logic unused_bits;
   assign unused_bits = ^{stage_i[1:0], judge_i.RESERVED_31_22, judge_i.SLEW};

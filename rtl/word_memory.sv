@@ -7,7 +7,8 @@
 // writing.
 module word_memory #(
   // Addresses in use; the others have no bit and are never valid.
-  parameter logic [31:0] Used = 32'hFFFF_FFFF
+  parameter logic [31:0] Used = 32'hFFFF_FFFF,
+  parameter int Channels = 1
 ) (
   input  logic        clk_i,
   input  logic        rst_ni,
@@ -17,14 +18,32 @@ module word_memory #(
   input  logic [31:0] wdata_i,
   input  logic [4:0]  raddr_i,
   output logic        valid_o,
-  output logic [31:0] rdata_o
+  output logic [31:0] rdata_o,
+  input  logic               shift_i,
+  input  logic        [ 4:0] index_i,
+  input  logic [31:0] context_i,  // word index_i in a change; the old one's is rdata_o
+  input  chain_t      chain_i,
+  output chain_t      chain_o
 );
 
+  logic [31:0] valid_q, valid_d;
+  logic shift;
+  logic [31:0] moved;
+  assign shift = Channels > 1 && shift_i;
+  context_chain #(.Channels(Channels), .Width(32)) u_chain (
+    .kept_i(valid_q), .chain_i, .moved_o(moved), .chain_o
+  );
+
   logic [31:0] words [32];
+  logic [31:0] wdata;
+  logic [4:0]  waddr, raddr;
+  assign waddr = shift ? index_i : waddr_i;
+  assign raddr = shift ? index_i : raddr_i;
+  assign wdata = shift ? context_i : wdata_i;
   always_ff @(posedge clk_i) begin
-    if (we_i) words[waddr_i] <= wdata_i;
+    if (we_i | shift) words[waddr] <= wdata;
   end
-  assign rdata_o = words[raddr_i];
+  assign rdata_o = words[raddr];
 
 `ifdef VERILATOR
   always_ff @(posedge clk_i) begin
@@ -32,7 +51,6 @@ module word_memory #(
   end
 `endif
 
-  logic [31:0] valid_q, valid_d;
   always_comb begin
     for (int i = 0; i < 32; i = i + 1) begin
       valid_d[i] = Used[i] & ~clear_i & (valid_q[i] | (we_i & waddr_i == 5'(i)));
@@ -40,7 +58,7 @@ module word_memory #(
   end
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) valid_q <= '0;
-    else valid_q <= valid_d;
+    else valid_q <= shift & ~clear_i ? moved : valid_d;
   end
   assign valid_o = valid_q[raddr_i];
 

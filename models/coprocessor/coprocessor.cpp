@@ -1,6 +1,7 @@
 #include "coprocessor/coprocessor.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "coprocessor/calibrator.h"
 #include "coprocessor/lms_demodulator.h"
@@ -67,6 +68,7 @@ IdleState power_on_state() {
 }
 
 Options checked(Options options) {
+  options.channels = std::clamp(options.channels, 1, static_cast<int>(most_channels));
   options.paper_operand_bits = std::clamp(options.paper_operand_bits, 2, 32);
   options.paper_reference_lead = std::clamp(options.paper_reference_lead, -1024, 1024);
   options.paper_step_shift = std::clamp(options.paper_step_shift, 0, 31);
@@ -88,16 +90,53 @@ Coprocessor::Coprocessor(Options options)
 }
 
 void Coprocessor::reset() {
-  soft_reset();
+  const unsigned count = channels();
+  if (count > 1 && arch_.contexts.empty()) arch_.contexts.resize(count);
+  unsigned active = sequencer_.active();
+  for (unsigned i = 0; i < count; ++i) {
+    soft_reset();
+    const unsigned next = (active + 1) % count;
+    if (next != active) change_context(active, next);
+    active = next;
+  }
+  if (active != 0) change_context(active, 0);
+  sequencer_.reset();
+  arch_.refused = false;
 }
 
 void Coprocessor::soft_reset() {
-  sequencer_.reset();
+  sequencer_.clear_active();
   IdleState start = power_on_state();
   start.cycle = arch_.cycle;
   start.corrections = arch_.corrections;  // a memory without a reset
   start.unfit_corrections = arch_.unfit_corrections;
-  arch_ = start;
+  start.contexts = std::move(arch_.contexts);
+  start.refused = arch_.refused;
+  arch_ = std::move(start);
+}
+
+IdleState& Coprocessor::context(unsigned channel) {
+  return channel == sequencer_.active() ? arch_ : arch_.contexts[channel];
+}
+
+const IdleState& Coprocessor::context(unsigned channel) const {
+  return channel == sequencer_.active() ? arch_ : arch_.contexts[channel];
+}
+
+// What is not of a channel stays where it is.
+void Coprocessor::change_context(unsigned from, unsigned to) {
+  IdleState next = std::move(arch_.contexts[to]);
+  next.cycle = arch_.cycle;
+  next.nodes = arch_.nodes;
+  next.refused = arch_.refused;
+  next.contexts = std::move(arch_.contexts);
+  next.contexts[to] = {};
+  arch_.cycle = 0;
+  arch_.nodes = {};
+  arch_.refused = false;
+  arch_.contexts.clear();
+  next.contexts[from] = std::move(arch_);
+  arch_ = std::move(next);
 }
 
 void Coprocessor::advance(uint64_t cycle) {
@@ -106,21 +145,25 @@ void Coprocessor::advance(uint64_t cycle) {
     const uint64_t unfit = arch_.unfit;
     commit_tick();
     sequencer_.turn();
+    if (const auto left = sequencer_.left()) change_context(*left, sequencer_.active());
     start_tick(unfit);
   }
 }
 
-bool Coprocessor::submit(uint64_t cycle, int32_t u, int32_t v, bool clip) {
+bool Coprocessor::submit_of(unsigned channel, uint64_t cycle, int32_t u, int32_t v, bool clip) {
   advance(cycle);
-  if ((arch_.ctrl & ctrl_adc) == 0 || !latch(cycle, u, v, clip)) return false;
+  if (channel >= channels() || (context(channel).ctrl & ctrl_adc) == 0 ||
+      !latch(channel, cycle, u, v, clip))
+    return false;
   held_.taken = cycle;
   return true;
 }
 
-bool Coprocessor::latch(uint64_t cycle, int32_t u, int32_t v, bool clip) {
-  if (!sequencer_.latch(cycle)) {
-    if (arch_.early_count != UINT32_MAX) ++arch_.early_count;
-    arch_.flags |= flag_early;
+bool Coprocessor::latch(unsigned channel, uint64_t cycle, int32_t u, int32_t v, bool clip) {
+  if (!sequencer_.latch(cycle, channel)) {
+    IdleState& registers = context(channel);
+    if (registers.early_count != UINT32_MAX) ++registers.early_count;
+    registers.flags |= flag_early;
     return false;
   }
   held_ = {};
@@ -328,6 +371,7 @@ bool Coprocessor::stage_nodes(unsigned stage, Nodes& nodes) const {
 void Coprocessor::record_nodes(const Packet& packet) {
   ++arch_.nodes.commits;
   arch_.nodes.taken = packet.taken;
+  arch_.nodes.channel = sequencer_.active();
   for (unsigned stage = 0; stage <= commit_stage; ++stage) packet_nodes(packet, stage, arch_.nodes);
 }
 
@@ -335,13 +379,17 @@ bool Coprocessor::frozen() const {
   return (arch_.ctrl & ctrl_freeze) != 0 && (arch_.flags & flag_alarm) != 0;
 }
 
+bool Coprocessor::raises(const IdleState& s) {
+  return ((s.flags & flag_result) && (s.ctrl & ctrl_ie_result)) ||
+         ((s.flags & flag_lockchg) && (s.ctrl & ctrl_ie_lock)) ||
+         ((s.flags & flags_error) && (s.ctrl & ctrl_ie_error)) ||
+         ((s.flags & flag_turn) && (s.ctrl & ctrl_ie_turn)) ||
+         ((s.flags & flag_alarm) && (s.ctrl & ctrl_ie_alarm)) ||
+         ((s.flags & flags_safety) && (s.ctrl & ctrl_ie_safety));
+}
+
 bool Coprocessor::interrupt() const {
-  return ((arch_.flags & flag_result) && (arch_.ctrl & ctrl_ie_result)) ||
-         ((arch_.flags & flag_lockchg) && (arch_.ctrl & ctrl_ie_lock)) ||
-         ((arch_.flags & flags_error) && (arch_.ctrl & ctrl_ie_error)) ||
-         ((arch_.flags & flag_turn) && (arch_.ctrl & ctrl_ie_turn)) ||
-         ((arch_.flags & flag_alarm) && (arch_.ctrl & ctrl_ie_alarm)) ||
-         ((arch_.flags & flags_safety) && (arch_.ctrl & ctrl_ie_safety));
+  return raises(arch_) || std::any_of(arch_.contexts.begin(), arch_.contexts.end(), raises);
 }
 
 }  // namespace capsoc::coprocessor

@@ -22,16 +22,21 @@ class Coprocessor final : public Device {
   explicit Coprocessor(Options options);
 
   void reset() override;
-  // CTRL.SRST: every register and the pipeline to power-on state; time continues.
+  // CTRL.SRST: every register of the active channel and the pipeline to power-on state; time
+  // continues.
   void soft_reset();
 
   void advance(uint64_t cycle) override;
   std::optional<uint64_t> next_event() const override { return sequencer_.next_event(); }
-  bool submit(uint64_t cycle, int32_t u, int32_t v, bool clip) override;
+  bool submit(uint64_t cycle, int32_t u, int32_t v, bool clip) override {
+    return submit_of(0, cycle, u, v, clip);
+  }
+  bool submit_of(unsigned channel, uint64_t cycle, int32_t u, int32_t v, bool clip) override;
+  unsigned channels() const override { return static_cast<unsigned>(options_.channels); }
   RegisterAccess read(uint64_t cycle, uint32_t offset, bool debug) override;
   bool write(uint64_t cycle, uint32_t offset, uint32_t value) override;
   bool interrupt() const override;
-  bool idle() const override { return !sequencer_.busy(); }
+  bool idle() const override { return !sequencer_.any_busy(); }
   const Nodes& nodes() const override { return arch_.nodes; }
   bool stage_nodes(unsigned stage, Nodes& nodes) const override;
   unsigned tick() const override { return sequencer_.tick(); }
@@ -68,7 +73,13 @@ class Coprocessor final : public Device {
   void commit_results(const Packet& packet);
   void record_nodes(const Packet& packet);
   void packet_nodes(const Packet& packet, unsigned stage, Nodes& n) const;
-  bool latch(uint64_t cycle, int32_t u, int32_t v, bool clip);
+  bool latch(unsigned channel, uint64_t cycle, int32_t u, int32_t v, bool clip);
+  // The channel's registers, wherever they are.
+  IdleState& context(unsigned channel);
+  const IdleState& context(unsigned channel) const;
+  void change_context(unsigned from, unsigned to);
+  // The channel's part of the interrupt.
+  static bool raises(const IdleState& registers);
 
   // register_bank.cpp
   struct Registers;
@@ -79,7 +90,12 @@ class Coprocessor final : public Device {
   void write_command(uint64_t cycle, uint32_t value);
   void write_loop(uint32_t value);
   void write_judge(uint32_t value);
+  uint32_t version() const;
   uint32_t status() const;
+  uint32_t channel_word() const;
+  void write_channel(uint64_t cycle, uint32_t value);
+  // The window is open for an access of a register; one that is refused is noted.
+  bool shows(uint32_t offset, bool is_ready, bool debug);
   uint32_t turn_flags() const;
   uint32_t loop() const;
   uint32_t judge_word() const;

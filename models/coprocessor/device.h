@@ -52,6 +52,15 @@ class Device {
   // EARLY).
   virtual bool submit(uint64_t cycle, int32_t u, int32_t v, bool clip) = 0;
 
+  // The same for a sample of one of channels(); false of others. A device of one channel has no
+  // more than submit().
+  virtual bool submit_of(unsigned channel, uint64_t cycle, int32_t u, int32_t v, bool clip) {
+    if (channel == 0) return submit(cycle, u, v, clip);
+    advance(cycle);
+    return false;
+  }
+  virtual unsigned channels() const { return 1; }
+
   // 32-bit register access at a byte offset. debug: no side effect, LO registers show the present
   // value instead of the latched one.
   virtual RegisterAccess read(uint64_t cycle, uint32_t offset, bool debug) = 0;

@@ -3,10 +3,12 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "coprocessor/datapath.h"
 #include "coprocessor/device.h"
 #include "coprocessor/harmonic_correction.h"
+#include "coprocessor/sequencer.h"
 #include "coprocessor/turn_judge.h"
 
 namespace capsoc::coprocessor {
@@ -22,7 +24,8 @@ struct Results {
 
 // The architectural state: all that the future depends on when no sample and no LOAD is in the
 // pipeline or waits for it. The model owns one of these, so that a member stands here and in
-// visit(), and nowhere else.
+// visit(), and nowhere else. With several channels all but cycle, nodes and the last three members
+// are of the active one.
 struct IdleState {
   uint64_t cycle = 0;  // PCLK edge: the last one that has passed
   uint32_t ctrl = 0;
@@ -48,6 +51,10 @@ struct IdleState {
   CorrectionTable corrections{};  // outlives a reset
   NodeBits unfit_corrections{};   // nodes that do not fit their parity bit; outlives it, too
   Nodes nodes;                    // of the last result
+  // With several channels. A context for each, of which the active one's is empty.
+  std::vector<IdleState> contexts;
+  Selection selection;
+  bool refused = false;  // CHANNEL.REFUSED
 
   void visit(Archive& archive);
 };

@@ -20,6 +20,8 @@ struct Nodes {
   uint64_t commits = 0;
   // The edge at which submit() latched this sample; 0: software wrote it. No node.
   uint64_t taken = 0;
+  // Whose sample it was. No node, and no state: it is looked at when the result is committed.
+  unsigned channel = 0;
 
   void visit(Archive& archive);
 };

@@ -2,6 +2,7 @@
 #include <array>
 
 #include "base/fixed.h"
+#include "coprocessor/channel_register.h"
 #include "coprocessor/coprocessor.h"
 #include "coprocessor/lms_demodulator.h"
 #include "coprocessor/reference_generator.h"
@@ -95,6 +96,36 @@ struct Coprocessor::Registers {
   }
 };
 
+uint32_t Coprocessor::version() const {
+  return description::VERSION_reset + (options_.channels > 1 ? 1u : 0u);
+}
+
+uint32_t Coprocessor::channel_word() const {
+  const Selection& selection = sequencer_.selection();
+  uint32_t pending = 0;
+  for (unsigned each = 0; each < channels(); ++each)
+    if (raises(context(each))) pending |= 1u << each;
+  return selection.window | (selection.hold ? channel::hold : 0) |
+         (sequencer_.ready() ? channel::ready : 0) | (arch_.refused ? channel::refused : 0) |
+         (channels() - 1) << channel::last_shift | pending << channel::pending_shift;
+}
+
+void Coprocessor::write_channel(uint64_t cycle, uint32_t value) {
+  const uint32_t window = field(value, channel::window_mask);
+  if (window >= channels()) {
+    arch_.refused = true;
+    return;
+  }
+  if ((value & channel::refused) != 0) arch_.refused = false;
+  sequencer_.select(cycle, window, (value & channel::hold) != 0);
+}
+
+bool Coprocessor::shows(uint32_t offset, bool is_ready, bool debug) {
+  if (is_ready || is_shared(offset)) return true;
+  if (!debug) arch_.refused = true;
+  return false;
+}
+
 uint32_t Coprocessor::status() const {
   return (sequencer_.busy() ? status_busy : 0) | (arch_.results.lock ? status_lock : 0) |
          (arch_.results.diverged ? status_diverged : 0) |
@@ -120,8 +151,10 @@ uint32_t Coprocessor::judge_word() const {
 
 RegisterAccess Coprocessor::read(uint64_t cycle, uint32_t offset, bool debug) {
   advance(cycle);
+  if (options_.channels > 1 && offset == channel::offset) return {true, channel_word()};
   const auto* rule = find_rule(offset);
   if (rule == nullptr) return {};
+  if (!shows(offset, sequencer_.ready(), debug)) return {true, 0};
   const Registers::Word& word = Registers::at(offset);
   if (rule->pair == registers::no_pair) return {true, word.read(*this)};
   const PairWords value = pair_words(rule->pair, word.number(*this));
@@ -134,9 +167,14 @@ RegisterAccess Coprocessor::read(uint64_t cycle, uint32_t offset, bool debug) {
 
 bool Coprocessor::write(uint64_t cycle, uint32_t offset, uint32_t value) {
   advance(cycle);
+  if (options_.channels > 1 && offset == channel::offset) {
+    write_channel(cycle, value);
+    return true;
+  }
   const auto* rule = find_rule(offset);
   if (rule == nullptr) return false;
-  if (rule->read_only()) return true;
+  if (is_shared(offset)) return true;  // and read-only
+  if (!shows(offset, sequencer_.was_ready(cycle), false) || rule->read_only()) return true;
   const bool bad_parity = (arch_.safety & safety_bad_parity) != 0;
   uint64_t parity = parity_bit(offset) & parity_bits;
   if (!rule->in_range(value)) {

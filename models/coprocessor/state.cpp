@@ -166,6 +166,21 @@ void Sequencer::visit(Archive& archive) {
   if (load_stage_ && *load_stage_ >= load_stage_count) archive.refuse("has no such load stage");
 }
 
+void Sequencer::visit_channels(Archive& archive, unsigned last) {
+  archive.at_most("active", selection_.active, last);
+  archive.at_most("window", selection_.window, last);
+  archive("hold", selection_.hold);
+  archive.at_most("held_channel", held_channel_, last);
+  archive("changing", changing_);
+  archive.at_most("target", target_, last);
+}
+
+void Selection::visit(Archive& archive) {
+  archive("active", active);
+  archive("window", window);
+  archive("hold", hold);
+}
+
 void Results::visit(Archive& archive) {
   archive("raw_u", raw_u);
   archive("raw_v", raw_v);
@@ -229,11 +244,20 @@ void IdleState::visit(Archive& archive) {
     archive.refuse("has a correction that does not fit 20 bits");
   archive("unfit_corrections", unfit_corrections);
   archive("nodes", nodes);
+  if (contexts.empty()) return;
+  const std::size_t channels = contexts.size();
+  archive("selection", selection);
+  archive("refused", refused);
+  archive.sequence("contexts", contexts, channels);
+  if (contexts.size() != channels || selection.active >= channels || selection.window >= channels)
+    archive.refuse("has another number of channels");
 }
 
 void Coprocessor::visit(Archive& archive) {
+  arch_.selection = sequencer_.selection();
   arch_.visit(archive);
   archive("sequencer", sequencer_);
+  if (options_.channels > 1) sequencer_.visit_channels(archive, channels() - 1);
   archive("held", held_);
   archive("pipe", pipe_);
   archive("load_rotation", load_rotation_);
@@ -243,11 +267,13 @@ void Coprocessor::visit(Archive& archive) {
 bool Coprocessor::save_idle(IdleState& state) const {
   if (!idle()) return false;
   state = arch_;
+  state.selection = sequencer_.selection();
   return true;
 }
 
 bool Coprocessor::load_idle(const IdleState& state) {
-  sequencer_.reset();
+  if (state.contexts.size() != arch_.contexts.size()) return false;
+  sequencer_.restore(state.selection);
   arch_ = state;
   held_ = {};
   pipe_ = {};

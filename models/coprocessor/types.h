@@ -27,6 +27,8 @@ struct Options {
   // CTRL.CORRECT and CORRECTION exist; never in `paper`.
   bool harmonic_correction = true;
   bool safety = true;  // SAFETY exists
+  // Sensors that share the pipeline, 1..16. With more than one CHANNEL exists.
+  int channels = 1;
 };
 
 // One channel's weights of Eq (7): sine, cosine and constant, Q2.46 in 48 bits.

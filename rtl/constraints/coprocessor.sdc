@@ -13,7 +13,7 @@ set_input_delay -clock pclk -min 0.0 [get_ports presetn_i]
 
 # APB and the stream of the ADC are synchronous to PCLK. A converter with a clock of its own hands its samples over through the
 # synchroniser that is part of it, not of this block.
-set inputs {psel_i penable_i pwrite_i paddr_i* pwdata_i* pstrb_i* sample_valid_i sample_u_i* sample_v_i* sample_clip_i}
+set inputs {psel_i penable_i pwrite_i paddr_i* pwdata_i* pstrb_i* sample_valid_i sample_u_i* sample_v_i* sample_clip_i sample_channel_i*}
 set outputs {pready_o prdata_o* pslverr_o sample_ready_o irq_o idle_o}
 set_input_delay -clock pclk -max [expr {0.4 * $period}] [get_ports $inputs]
 set_input_delay -clock pclk -min 0.0 [get_ports $inputs]

@@ -25,7 +25,7 @@ module idle_properties #(
     .pclk_i (clk_i), .presetn_i (~in_reset),
     .psel_i, .penable_i, .pwrite_i, .paddr_i, .pwdata_i, .pstrb_i,
     .pready_o (pready), .prdata_o (prdata), .pslverr_o (pslverr),
-    .sample_valid_i, .sample_u_i, .sample_v_i, .sample_clip_i,
+    .sample_valid_i, .sample_u_i, .sample_v_i, .sample_clip_i, .sample_channel_i (4'd0),
     .sample_ready_o (sample_ready), .irq_o (irq), .idle_o (idle)
   );
 

@@ -13,7 +13,8 @@ module coprocessor_probe #(
   parameter int OperandBits   = 32,
   parameter int ReferenceLead = 0,
   parameter int StepShift     = 0,
-  parameter int IterationClocks = 1
+  parameter int IterationClocks = 1,
+  parameter int Channels      = 1
 ) (
   input  logic        pclk_i,
   input  logic        drive_i,
@@ -31,6 +32,7 @@ module coprocessor_probe #(
   input  logic [31:0] sample_u_i,
   input  logic [31:0] sample_v_i,
   input  logic        sample_clip_i,
+  input  logic [3:0]  sample_channel_i,
   output logic        sample_ready_o,
   output logic        irq_o,
   output logic        idle_o,
@@ -45,6 +47,11 @@ module coprocessor_probe #(
   output logic        load_pending_o,
   output logic        running_o,
   output logic        commit_o,
+  // Channels: the active one, CHANNEL.READY, the held sample may not enter, edges to the beginning or the end of a change
+  output logic [3:0]  active_o,
+  output logic        ready_o,
+  output logic        blocked_o,
+  output logic [5:0]  change_o,
   // 48-bit registers
   output logic [47:0] phase_o, freq_o, au_o, bu_o, cu_o, av_o, bv_o, cv_o,
   // Nodes, RTL and model
@@ -54,7 +61,7 @@ module coprocessor_probe #(
   logic        presetn, psel, penable, pwrite, sample_valid, sample_clip;
   logic [11:0] paddr;
   logic [31:0] pwdata, sample_u, sample_v;
-  logic [3:0]  pstrb;
+  logic [3:0]  pstrb, sample_channel;
   always_ff @(posedge drive_i) begin
     presetn      <= presetn_i;
     psel         <= psel_i;
@@ -67,6 +74,7 @@ module coprocessor_probe #(
     sample_u     <= sample_u_i;
     sample_v     <= sample_v_i;
     sample_clip  <= sample_clip_i;
+    sample_channel <= sample_channel_i;
   end
 
   coprocessor #(
@@ -74,7 +82,8 @@ module coprocessor_probe #(
     .OperandBits   (OperandBits),
     .ReferenceLead (ReferenceLead),
     .StepShift     (StepShift),
-    .IterationClocks(IterationClocks)
+    .IterationClocks(IterationClocks),
+    .Channels      (Channels)
   ) dut (
     .pclk_i,
     .presetn_i      (presetn),
@@ -89,6 +98,7 @@ module coprocessor_probe #(
     .sample_u_i     (sample_u),
     .sample_v_i     (sample_v),
     .sample_clip_i  (sample_clip),
+    .sample_channel_i (sample_channel),
     .sample_ready_o, .irq_o, .idle_o
   );
 
@@ -102,6 +112,16 @@ module coprocessor_probe #(
   assign load_pending_o = dut.u_sequencer.load_pending_q;
   assign running_o      = dut.u_sequencer.running;
   assign commit_o       = dut.commit & boundary_o;
+
+  if (Channels > 1) begin : g_channels
+    assign active_o  = dut.g_channels.u_channel_control.active_q;
+    assign ready_o   = dut.ready;
+    assign blocked_o = dut.blocked;
+    assign change_o  = dut.g_channels.u_channel_control.changing_q ? 6'd32 - {1'b0, dut.g_channels.u_channel_control.index_q} :
+                       {5'd0, dut.g_channels.u_channel_control.begins};
+  end else begin : g_one_channel
+    assign {active_o, ready_o, blocked_o, change_o} = {4'd0, 1'b1, 7'd0};
+  end
 
   assign phase_o = dut.u_register_bank.u_state.u_phase.value_q;
   assign freq_o  = dut.u_register_bank.u_state.u_freq.value_q;

@@ -12,7 +12,8 @@ module capsoc_coprocessor_ahb_lite #(
   parameter int IterationClocks = 1, // paper: clocks of an iteration of the arctangent, 1 or 2
   parameter int Block         = 1,   // precise: block learning, CTRL.BLOCK and GUARD
   parameter int Harmonics     = 1,   // precise: harmonic correction, CTRL.CORRECT and CORRECTION
-  parameter int Safety        = 1    // safety mechanisms, SAFETY and parity bits
+  parameter int Safety        = 1,   // safety mechanisms, SAFETY and parity bits
+  parameter int Channels      = 1    // sensors that share the pipeline, 1..16
 ) (
   input  logic        hclk_i,
   input  logic        hresetn_i,
@@ -32,6 +33,7 @@ module capsoc_coprocessor_ahb_lite #(
   input  logic [31:0] sample_u_i,
   input  logic [31:0] sample_v_i,
   input  logic        sample_clip_i,
+  input  logic [3:0]  sample_channel_i,  // with several channels: whose it is
   output logic        sample_ready_o,  // a sample of this interval will be latched
   output logic        irq_o,
   output logic        idle_o           // nothing changes at the coming edge of itself
@@ -65,7 +67,8 @@ module capsoc_coprocessor_ahb_lite #(
     .IterationClocks (IterationClocks),
     .Block           (Block),
     .Harmonics       (Harmonics),
-    .Safety          (Safety)
+    .Safety          (Safety),
+    .Channels        (Channels)
   ) u_coprocessor (
     .pclk_i          (hclk_i),
     .presetn_i       (hresetn_i),
@@ -78,7 +81,7 @@ module capsoc_coprocessor_ahb_lite #(
     .pready_o        (pready),
     .prdata_o        (prdata),
     .pslverr_o       (pslverr),
-    .sample_valid_i, .sample_u_i, .sample_v_i, .sample_clip_i, .sample_ready_o, .irq_o, .idle_o
+    .sample_valid_i, .sample_u_i, .sample_v_i, .sample_clip_i, .sample_channel_i, .sample_ready_o, .irq_o, .idle_o
   );
 
 endmodule

@@ -12,7 +12,8 @@ module capsoc_coprocessor_axi4_lite #(
   parameter int IterationClocks = 1, // paper: clocks of an iteration of the arctangent, 1 or 2
   parameter int Block         = 1,   // precise: block learning, CTRL.BLOCK and GUARD
   parameter int Harmonics     = 1,   // precise: harmonic correction, CTRL.CORRECT and CORRECTION
-  parameter int Safety        = 1    // safety mechanisms, SAFETY and parity bits
+  parameter int Safety        = 1,   // safety mechanisms, SAFETY and parity bits
+  parameter int Channels      = 1    // sensors that share the pipeline, 1..16
 ) (
   input  logic        aclk_i,
   input  logic        aresetn_i,
@@ -41,6 +42,7 @@ module capsoc_coprocessor_axi4_lite #(
   input  logic [31:0] sample_u_i,
   input  logic [31:0] sample_v_i,
   input  logic        sample_clip_i,
+  input  logic [3:0]  sample_channel_i,  // with several channels: whose it is
   output logic        sample_ready_o,  // a sample of this interval will be latched
   output logic        irq_o,
   output logic        idle_o           // nothing changes at the coming edge of itself
@@ -75,7 +77,8 @@ module capsoc_coprocessor_axi4_lite #(
     .IterationClocks (IterationClocks),
     .Block           (Block),
     .Harmonics       (Harmonics),
-    .Safety          (Safety)
+    .Safety          (Safety),
+    .Channels        (Channels)
   ) u_coprocessor (
     .pclk_i          (aclk_i),
     .presetn_i       (aresetn_i),
@@ -88,7 +91,7 @@ module capsoc_coprocessor_axi4_lite #(
     .pready_o        (pready),
     .prdata_o        (prdata),
     .pslverr_o       (pslverr),
-    .sample_valid_i, .sample_u_i, .sample_v_i, .sample_clip_i, .sample_ready_o, .irq_o, .idle_o
+    .sample_valid_i, .sample_u_i, .sample_v_i, .sample_clip_i, .sample_channel_i, .sample_ready_o, .irq_o, .idle_o
   );
 
 endmodule

@@ -141,6 +141,18 @@ class Generator(unittest.TestCase):
         self.expect_error(hardware(place + "<settings>A B=1</settings><words>B=2</words>"), 7, "B has a word already")
         self.expect_error(hardware(place + "<settings>C</settings>"), 7, "no register C")
         self.assertEqual(self.run_on(hardware(place + "<words>A B=1</words>")).returncode, 0)
+        self.expect_error(hardware(f"{place}<optional>{register('A', 8).strip()}</optional>"), 7, "P has a second A")
+
+    def test_an_optional_register_has_names_and_is_in_no_table(self):
+        self.assertEqual(self.run_generator(DESCRIPTION).returncode, 0)
+        define = "#define COPROCESSOR_CHANNEL (*(__IOM uint32_t *)(COPROCESSOR_BASE + 0x100UL))"
+        self.assertIn(define, self.made("capsoc_device.h"))
+        self.assertIn("inline constexpr uint32_t CHANNEL_HOLD_mask = 0x00000100;", self.made("capsoc_registers.h"))
+        self.assertIn("  localparam logic [11:0] CHANNEL_OFFSET = 12'h100;", self.made("capsoc_coprocessor_pkg.sv"))
+        self.assertIn("} capsoc_coprocessor_channel_t;", self.made("capsoc_coprocessor_selects.sv"))
+        self.assertIn("| 0x100 | CHANNEL | read-write |", self.made("registers.md"))
+        self.assertNotIn("CHANNEL", self.made("capsoc_registers.json"))
+        self.assertNotIn('{"CHANNEL", 0x', self.made("capsoc_registers.h"))
 
     def test_the_settings_have_flip_flops_and_a_list(self):
         self.assertEqual(self.run_generator(DESCRIPTION).returncode, 0)

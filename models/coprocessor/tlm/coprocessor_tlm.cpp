@@ -6,6 +6,7 @@
 
 #include "base/printable.h"
 #include "capsoc_registers.h"
+#include "coprocessor/channel_register.h"
 #include "coprocessor/sequencer.h"
 
 namespace capsoc::coprocessor {
@@ -117,7 +118,7 @@ void CoprocessorTlm::pass(uint64_t edge) {
 void CoprocessorTlm::take(uint64_t edge) {
   const peripherals::SensorSample sample = *sample_;
   sample_.reset();
-  const bool latched = device_->submit(edge, sample.u, sample.v, sample.clip);
+  const bool latched = device_->submit_of(sample.channel, edge, sample.u, sample.v, sample.clip);
   if (latched) {
     // One waits and one is in each stage; more were lost by soft resets.
     if (taken_.size() == 1 + stage_count) taken_.pop_front();
@@ -166,7 +167,7 @@ bool CoprocessorTlm::read_word(uint32_t offset, uint32_t& value, bool debug) {
 // Whether a write is answered with an error depends on its address alone, so the answer need not
 // wait for the edge.
 bool CoprocessorTlm::write_word(uint32_t offset, uint32_t value, uint32_t /*lanes: always all*/) {
-  const bool mapped = is_register(offset);
+  const bool mapped = is_register(offset) || (device_->channels() > 1 && offset == channel::offset);
   if (!clock_.is_stopped()) {
     begin_access();
     write_ = Write{offset, value};
@@ -197,6 +198,7 @@ void CoprocessorTlm::visit(Archive& archive) {
   if (archive.loading()) clock_.forget_faults();
   // Idle, it is the same whatever device is here; in between every device has its own.
   IdleState state;
+  if (device_->channels() > 1) state.contexts.resize(device_->channels());
   bool idle = device_->save_idle(state);
   archive("idle", idle);
   std::string kind = idle ? "any" : device_->kind();
@@ -208,6 +210,8 @@ void CoprocessorTlm::visit(Archive& archive) {
         printable(kind)));
   archive("interval", interval_);
   archive("sample", sample_);
+  if (sample_ && device_->channels() > 1)
+    archive.at_most("channel", sample_->channel, device_->channels() - 1);
   archive("write", write_);
   archive("accessed", accessed_);
   archive("commits", commits_);

@@ -28,6 +28,9 @@ module capsoc_reference_bench;
     .psel_i (psel), .penable_i (penable), .pwrite_i (pwrite), .paddr_i (paddr), .pwdata_i (pwdata), .pstrb_i (pstrb),
     .pready_o (pready), .prdata_o (prdata), .pslverr_o (pslverr),
     .sample_valid_i (sample_valid), .sample_u_i (sample_u), .sample_v_i (sample_v), .sample_clip_i (sample_clip),
+`ifndef CAPSOC_DESIGN
+    .sample_channel_i (4'd0),
+`endif
     .sample_ready_o (sample_ready), .irq_o (irq), .idle_o (idle)
   );
 

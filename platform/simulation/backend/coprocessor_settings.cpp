@@ -10,6 +10,7 @@ coprocessor::Options CoprocessorSettings::options() const {
   options.paper_step_shift = static_cast<int>(paper_step_shift());
   options.paper_plain_arctangent = paper_plain_arctangent();
   options.paper_iteration_clocks = static_cast<int>(paper_iteration_clocks());
+  options.channels = static_cast<int>(channels());
   return options;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/setting_fields.h"
+#include "coprocessor/sequencer.h"
 #include "coprocessor/types.h"
 #include "rtl/coprocessor_rtl.h"
 
@@ -35,6 +36,8 @@ struct CoprocessorSettings {
       all, setting("coprocessor.paper_iteration_clocks", SettingKind::integer, "1",
                    "paper: clocks of an iteration of the arctangent; 2: results after 321 clocks")
                .in(1, 2)};
+  // Not in results unless it is set.
+  IntegerField channels{all, of_several_channels()};
   ChoiceField<Backend> backend{
       all,
       {{"tlm", Backend::model}, {"rtl", Backend::rtl}, {"lockstep", Backend::lockstep}},
@@ -65,6 +68,16 @@ struct CoprocessorSettings {
 
   /// What the device is made with.
   coprocessor::Options options() const;
+
+ private:
+  static Setting of_several_channels() {
+    Setting declared =
+        setting("coprocessor.channels", SettingKind::integer, "1",
+                "sensors that share the coprocessor; with more than one it has CHANNEL")
+            .in(1, coprocessor::most_channels);
+    declared.optional = true;
+    return declared;
+  }
 };
 
 }  // namespace capsoc::run

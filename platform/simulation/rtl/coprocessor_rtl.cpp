@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "coprocessor/channel_register.h"
 #include "coprocessor/register_map.h"
 #include "coprocessor/sequencer.h"
 #include "rtl/rtl_state.h"
@@ -93,7 +94,8 @@ class CoprocessorRtl::Pins {
 
   bool save_idle(IdleState& state) {
     settle();
-    if (!pins_.idle || (acts_ && !reading_)) return false;
+    // The contexts of other channels are words of a memory, and no code translates those.
+    if (!pins_.idle || (acts_ && !reading_) || api_.channels > 1) return false;
     capsoc_rtl_state registers{};
     inside_.get_state(instance_.get(), &registers);
     state = to_model(registers, nodes_);
@@ -106,6 +108,7 @@ class CoprocessorRtl::Pins {
 
   const capsoc_rtl_inside& inside() const { return inside_; }
   unsigned tick() const { return tick_; }
+  unsigned channels() const { return static_cast<unsigned>(api_.channels); }
 
   uint64_t get_flip_flops(uint32_t index, uint32_t part) {
     settle();
@@ -161,8 +164,10 @@ class CoprocessorRtl::Pins {
 
   void settle() { run_to(named_); }
 
-  bool submit(uint64_t cycle, int32_t u, int32_t v, bool clip) {
+  bool submit(unsigned channel, uint64_t cycle, int32_t u, int32_t v, bool clip) {
+    if (channel >= channels()) return name(cycle), false;
     open(cycle);
+    pins_.sample_channel = static_cast<uint8_t>(channel);
     pins_.sample_valid = 1;
     pins_.sample_u = static_cast<uint32_t>(u);
     pins_.sample_v = static_cast<uint32_t>(v);
@@ -188,13 +193,15 @@ class CoprocessorRtl::Pins {
     settle();
     if (offset > last_offset) return {};
     const capsoc_rtl_pins before = pins_;
+    const bool shown = pins_.ready != 0 || coprocessor::is_shared(offset);
     if (debug && coprocessor::is_pair(offset) && !coprocessor::is_pair_high(offset))
-      return {true, present_low(offset)};
+      return {true, shown ? present_low(offset) : 0};
     drive_bus(offset, std::nullopt, 0);
     const RegisterAccess result{pins_.pslverr == 0, pins_.pslverr == 0 ? pins_.prdata : 0};
-    // Reads of a HI word fill the latch at the coming edge; others change nothing and need no
-    // clock.
-    if (!debug && coprocessor::is_pair_high(offset)) {
+    // Reads of a HI word fill the latch at the coming edge, and one that is refused is noted;
+    // others change nothing and need no clock.
+    if (!debug &&
+        (coprocessor::is_pair_high(offset) || (!shown && coprocessor::is_register(offset)))) {
       acts_ = reading_ = true;
     } else {
       pins_.psel = before.psel;
@@ -213,6 +220,8 @@ class CoprocessorRtl::Pins {
       if (pins_.stage >> stage & 1) return boundary + uint64_t{stage_count - 1 - stage} * tick_;
     for (unsigned stage = load_stage_count; stage-- > 0;)
       if (pins_.load >> stage & 1) return boundary + uint64_t{load_stage_count - 1 - stage} * tick_;
+    if (pins_.change != 0) return edge_ + pins_.change;
+    if (!pins_.load_pending && pins_.blocked != 0) return std::nullopt;
     return boundary + uint64_t{pins_.load_pending ? load_stage_count : stage_count} * tick_;
   }
 
@@ -356,7 +365,7 @@ class CoprocessorRtl::Pins {
     const bool commit = boundary && pins_.commit;
     const bool soft_reset = pins_.psel && pins_.pwrite && pins_.pstrb == coprocessor::all_strobes &&
                             pins_.paddr == coprocessor::reg_ctrl &&
-                            (pins_.pwdata & coprocessor::ctrl_srst) != 0;
+                            (pins_.pwdata & coprocessor::ctrl_srst) != 0 && pins_.ready != 0;
     if (boundary && pins_.stage != 0) end_tick(commit);
     ++edge_;
     ++clocks_;
@@ -365,7 +374,10 @@ class CoprocessorRtl::Pins {
     api_.clock(instance_.get());
     keep_held();
     if (soft_reset) {
-      taken_ = {};
+      // Another channel's sample still waits.
+      const uint64_t waiting =
+          pins_.held != 0 ? *std::max_element(taken_.begin(), taken_.end()) : 0;
+      taken_ = {waiting, 0, 0};
       nodes_ = {};
     }
     if (acts_) release();
@@ -397,6 +409,7 @@ class CoprocessorRtl::Pins {
         nodes_ = flight_[stage];
         take(commit_stage, nodes_);
         nodes_.commits = commits + 1;
+        nodes_.channel = pins_.active;
       }
     }
   }
@@ -458,8 +471,12 @@ std::optional<uint64_t> CoprocessorRtl::next_event() const {
   return pins_->next_event();
 }
 
-bool CoprocessorRtl::submit(uint64_t cycle, int32_t u, int32_t v, bool clip) {
-  return pins_->submit(cycle, u, v, clip);
+bool CoprocessorRtl::submit_of(unsigned channel, uint64_t cycle, int32_t u, int32_t v, bool clip) {
+  return pins_->submit(channel, cycle, u, v, clip);
+}
+
+unsigned CoprocessorRtl::channels() const {
+  return pins_->channels();
 }
 
 RegisterAccess CoprocessorRtl::read(uint64_t cycle, uint32_t offset, bool debug) {
@@ -503,6 +520,7 @@ bool CoprocessorRtl::save_idle(IdleState& state) const {
 }
 
 bool CoprocessorRtl::load_idle(const IdleState& state) {
+  if (channels() > 1) return false;
   pins_->load_idle(state);
   return true;
 }

@@ -28,7 +28,11 @@ class CoprocessorRtl final : public coprocessor::Device {
   void reset() override;
   void advance(uint64_t cycle) override;
   std::optional<uint64_t> next_event() const override;
-  bool submit(uint64_t cycle, int32_t u, int32_t v, bool clip) override;
+  bool submit(uint64_t cycle, int32_t u, int32_t v, bool clip) override {
+    return submit_of(0, cycle, u, v, clip);
+  }
+  bool submit_of(unsigned channel, uint64_t cycle, int32_t u, int32_t v, bool clip) override;
+  unsigned channels() const override;
   coprocessor::RegisterAccess read(uint64_t cycle, uint32_t offset, bool debug) override;
   bool write(uint64_t cycle, uint32_t offset, uint32_t value) override;
   bool write_bytes(uint64_t cycle, uint32_t offset, uint32_t value, uint8_t strobes) override;

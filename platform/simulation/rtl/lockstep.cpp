@@ -54,8 +54,9 @@ std::string register_name(uint32_t offset) {
 std::string describe(const Operation& o) {
   switch (o.kind) {
     case Operation::Kind::sample:
-      return fmt::format("{:>14}  sample      u 0x{:08x} v 0x{:08x}{}", o.cycle, o.offset_or_u,
-                         o.value_or_v, o.clip ? " clipped" : "");
+      return fmt::format("{:>14}  sample      u 0x{:08x} v 0x{:08x}{}{}", o.cycle, o.offset_or_u,
+                         o.value_or_v, o.clip ? " clipped" : "",
+                         o.channel != 0 ? fmt::format(" of channel {}", o.channel) : "");
     case Operation::Kind::write:
       return fmt::format("{:>14}  write       {} = 0x{:08x}{}", o.cycle,
                          register_name(o.offset_or_u), o.value_or_v,
@@ -99,14 +100,14 @@ class Lockstep::Pair {
     }
   }
 
-  bool submit(uint64_t cycle, int32_t u, int32_t v, bool clip) {
+  bool submit(unsigned channel, uint64_t cycle, int32_t u, int32_t v, bool clip) {
     open(cycle);
     record({Operation::Kind::sample, present_, static_cast<uint32_t>(u), static_cast<uint32_t>(v),
-            clip});
+            clip, channel});
     ++counters_.samples;
-    const bool latched = model_->submit(present_, u, v, clip);
+    const bool latched = model_->submit_of(channel, present_, u, v, clip);
     if (same()) {
-      const bool theirs = rtl_->submit(present_, u, v, clip);
+      const bool theirs = rtl_->submit_of(channel, present_, u, v, clip);
       compare("sample taken", latched, theirs);
     }
     return latched;
@@ -114,7 +115,7 @@ class Lockstep::Pair {
 
   bool write(uint64_t cycle, uint32_t offset, uint32_t value, uint8_t strobes) {
     open(last_read_ ? std::max(cycle, *last_read_ + 2) : cycle);
-    record({Operation::Kind::write, present_, offset, value, false, strobes});
+    record({Operation::Kind::write, present_, offset, value, false, 0, strobes});
     ++counters_.writes;
     const bool mapped = model_->write_bytes(present_, offset, value, strobes);
     if (mapped && offset == coprocessor::reg_cmd && (value & coprocessor::cmd_load) != 0)
@@ -286,11 +287,11 @@ class Lockstep::Pair {
 
   bool save_idle(IdleState& state) {
     close();
-    return model_->save_idle(state);
+    return rtl_->channels() == 1 && model_->save_idle(state);
   }
 
   bool load_idle(const IdleState& state) {
-    if (!model_->load_idle(state) || !rtl_->load_idle(state)) return false;
+    if (!rtl_->load_idle(state) || !model_->load_idle(state)) return false;
     counters_ = {};
     present_ = state.cycle;
     last_read_.reset();
@@ -336,8 +337,8 @@ class Lockstep::Pair {
   static void replay(Device& device, const Operation& o) {
     switch (o.kind) {
       case Operation::Kind::sample:
-        device.submit(o.cycle, static_cast<int32_t>(o.offset_or_u),
-                      static_cast<int32_t>(o.value_or_v), o.clip);
+        device.submit_of(o.channel, o.cycle, static_cast<int32_t>(o.offset_or_u),
+                         static_cast<int32_t>(o.value_or_v), o.clip);
         break;
       case Operation::Kind::write:
         device.write_bytes(o.cycle, o.offset_or_u, o.value_or_v, o.strobes);
@@ -404,6 +405,7 @@ class Lockstep::Pair {
     for (const NamedNode& node : node_names()) compare_node(node, ours, theirs);
     compare("edge that took the sample", static_cast<int64_t>(ours.taken),
             static_cast<int64_t>(theirs.taken));
+    compare("channel of the sample", ours.channel, theirs.channel);
     compare_results();
   }
 
@@ -530,8 +532,12 @@ std::optional<uint64_t> Lockstep::next_event() const {
   return pair_->model_->next_event();
 }
 
-bool Lockstep::submit(uint64_t cycle, int32_t u, int32_t v, bool clip) {
-  return pair_->submit(cycle, u, v, clip);
+bool Lockstep::submit_of(unsigned channel, uint64_t cycle, int32_t u, int32_t v, bool clip) {
+  return pair_->submit(channel, cycle, u, v, clip);
+}
+
+unsigned Lockstep::channels() const {
+  return pair_->model_->channels();
 }
 
 RegisterAccess Lockstep::read(uint64_t cycle, uint32_t offset, bool debug) {

@@ -13,7 +13,7 @@
 extern "C" {
 #endif
 
-#define CAPSOC_RTL_ABI_VERSION 7
+#define CAPSOC_RTL_ABI_VERSION 8
 #define CAPSOC_RTL_ENTRY "capsoc_rtl_entry"
 
 /* Pins that a design need not have: bits of capsoc_rtl_api::absent_pins. As inputs they go nowhere,
@@ -33,7 +33,7 @@ enum {
 typedef struct capsoc_rtl_pins {
   /* inputs */
   uint8_t presetn, psel, penable, pwrite, pstrb;
-  uint8_t sample_valid, sample_clip;
+  uint8_t sample_valid, sample_clip, sample_channel;
   uint16_t paddr;
   uint32_t pwdata, sample_u, sample_v;
   /* outputs */
@@ -50,6 +50,11 @@ typedef struct capsoc_rtl_pins {
   uint8_t load_pending;
   uint8_t running; /* a tick is under way or begins at the coming edge */
   uint8_t commit;  /* a result becomes visible at the coming edge */
+  /* Of several channels */
+  uint8_t active;  /* whose context is in the registers */
+  uint8_t ready;   /* CHANNEL.READY */
+  uint8_t blocked; /* the held sample may not enter */
+  uint8_t change;  /* edges to the next one at which a context's change begins or ends; 0: none */
 } capsoc_rtl_pins;
 
 typedef struct capsoc_rtl capsoc_rtl;
@@ -122,6 +127,7 @@ typedef struct capsoc_rtl_api {
   int32_t paper, operand_bits, reference_lead, step_shift; /* which model it is to agree with */
   int32_t plain_arctangent;                                /* the fifth */
   int32_t iteration_clocks;                                /* the sixth: 1 or 2 */
+  int32_t channels;                                        /* the seventh: 1 to 16 */
   int32_t coverage;                                        /* built with line and toggle coverage */
   uint32_t absent_pins;
 

@@ -11,7 +11,7 @@
 # MODULE has an APB and a sample port (docs/reference/coprocessor.md, "Bus and sample port").
 # A pin that is not in PINS has its own name in the design; PIN= says that the design has none.
 #   in   pclk, presetn (or preset, active high), psel, penable, pwrite, paddr[11:0], pwdata[31:0], pstrb[3:0] (may be missing),
-#        sample_valid, sample_u[31:0], sample_v[31:0] (Q1.31), sample_clip
+#        sample_valid, sample_u[31:0], sample_v[31:0] (Q1.31), sample_clip; sample_channel[3:0] only if it is in PINS
 #   out  prdata[31:0], and those that may be missing: pready, pslverr, sample_ready, irq, idle
 # ARITHMETIC and the five behind it name the model that the design is to agree with (capsoc's settings coprocessor.arithmetic and
 # coprocessor.paper_*). Verilator's warnings of the design are shown.
@@ -142,13 +142,14 @@ endfunction()
 
 # The ports of `MODULE` that a pin is connected to, by PINS; "" for a missing one. Sets port_PIN in the caller.
 function(capsoc_ports name)
-  set(inputs pclk presetn preset psel penable pwrite paddr pwdata pstrb sample_valid sample_u sample_v sample_clip)
+  set(inputs pclk presetn preset psel penable pwrite paddr pwdata pstrb sample_valid sample_u sample_v sample_clip sample_channel)
   set(outputs prdata pready pslverr sample_ready irq idle)
-  set(optional pstrb pready pslverr sample_ready irq idle)
+  set(optional sample_channel pstrb pready pslverr sample_ready irq idle)
   foreach(pin ${inputs} ${outputs})
     set(port_${pin} ${pin})
   endforeach()
   set(port_preset "")
+  set(port_sample_channel "")
   foreach(connection ${ARGN})
     set(pins ${inputs} ${outputs})
     if(NOT connection MATCHES "^([a-z_]+)=([A-Za-z_0-9$]*)$" OR NOT CMAKE_MATCH_1 IN_LIST pins)
@@ -190,7 +191,7 @@ function(capsoc_add_rtl_library name)
 
   # The design in a wrapper with our names.
   set(connections "")
-  foreach(pin presetn psel penable pwrite paddr pwdata pstrb sample_valid sample_u sample_v sample_clip)
+  foreach(pin presetn psel penable pwrite paddr pwdata pstrb sample_valid sample_u sample_v sample_clip sample_channel)
     if(port_${pin})
       list(APPEND connections "    .${port_${pin}}(${pin})")
     endif()
@@ -236,7 +237,7 @@ function(capsoc_add_rtl_library name)
     SOURCES ${sources} ${generated}/capsoc_black_box.sv DEPENDS ${arg_DEPENDS} FLAGS ${arg_VERILATOR_ARGS}
     DEFINITIONS CAPSOC_RTL_PAPER=${paper} CAPSOC_RTL_OPERAND_BITS=${arg_OPERAND_BITS} CAPSOC_RTL_REFERENCE_LEAD=${arg_REFERENCE_LEAD}
                 CAPSOC_RTL_STEP_SHIFT=${arg_STEP_SHIFT} CAPSOC_RTL_PLAIN_ARCTANGENT=${arg_PLAIN_ARCTANGENT}
-                CAPSOC_RTL_ITERATION_CLOCKS=${arg_ITERATION_CLOCKS}
+                CAPSOC_RTL_ITERATION_CLOCKS=${arg_ITERATION_CLOCKS} CAPSOC_RTL_CHANNELS=1
                 "CAPSOC_RTL_ABSENT_PINS=(${absent_pins})")
   target_sources(${name} PRIVATE ${generated}/rtl_hash.h)
 endfunction()

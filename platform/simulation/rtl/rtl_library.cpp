@@ -46,6 +46,9 @@ std::string refuse(const std::string& file, const capsoc_rtl_api& api,
   if ((api.paper != 0) != paper)
     return fmt::format("{}: its arithmetic is {} and the run's is {}; give the other library", file,
                        name(api.paper != 0), name(paper));
+  if (api.channels != options.channels)
+    return fmt::format("{}: it has channels for {} sensors and the run's coprocessor for {}; {}",
+                       file, api.channels, options.channels, rebuild_with);
   if (paper && (api.operand_bits != options.paper_operand_bits ||
                 api.reference_lead != options.paper_reference_lead ||
                 api.step_shift != options.paper_step_shift ||
@@ -105,6 +108,11 @@ Result<RtlLibrary::Handle> RtlLibrary::open(const std::string& file,
 
 std::string RtlLibrary::file_name(const coprocessor::Options& options) {
   using coprocessor::Options;
+  if (options.channels > 1)
+    return host::library_path(
+        fmt::format("libcapsoc_rtl_{}_{}_channels.so",
+                    options.arithmetic == coprocessor::Arithmetic::paper ? "paper" : "precise",
+                    options.channels));
   if (options.arithmetic != coprocessor::Arithmetic::paper ||
       (options.paper_operand_bits == Options().paper_operand_bits &&
        options.paper_reference_lead == 0 && options.paper_step_shift == 0 &&

@@ -134,6 +134,7 @@ void put_on_design(Root& top, const capsoc_rtl_pins& pins) {
   ON_PIN(sample_u) = pins.sample_u;
   ON_PIN(sample_v) = pins.sample_v;
   ON_PIN(sample_clip) = pins.sample_clip;
+  ON_PIN(sample_channel) = pins.sample_channel;
 }
 
 }  // namespace
@@ -153,6 +154,10 @@ struct capsoc_rtl : capsoc::rtl::VerilatedInstance<Vcoprocessor_probe> {
     pins.load_pending = top->load_pending_o;
     pins.running = top->running_o;
     pins.commit = top->commit_o;
+    pins.active = top->active_o;
+    pins.ready = top->ready_o;
+    pins.blocked = top->blocked_o;
+    pins.change = top->change_o;
   }
 
   void drive() {

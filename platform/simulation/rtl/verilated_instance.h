@@ -36,6 +36,7 @@ struct VerilatedInstance {
     context.timeunit(-9);
     context.timeprecision(-9);
     top = std::make_unique<Top>(&context, "rtl");
+    top->pclk_i = top->drive_i = 0;
     // The first evaluation sees no edges, and an asynchronous reset needs its own.
     top->eval();
     pins.presetn = 1;
@@ -110,6 +111,7 @@ constexpr capsoc_rtl_api api_of(uint32_t absent_pins, const capsoc_rtl_inside* i
   api.step_shift = CAPSOC_RTL_STEP_SHIFT;
   api.plain_arctangent = CAPSOC_RTL_PLAIN_ARCTANGENT;
   api.iteration_clocks = CAPSOC_RTL_ITERATION_CLOCKS;
+  api.channels = CAPSOC_RTL_CHANNELS;
   api.coverage = CAPSOC_RTL_COVERAGE;
   api.absent_pins = absent_pins;
   api.create = []() -> Rtl* {

@@ -16,6 +16,7 @@ void drive_pins(Top& top, const capsoc_rtl_pins& p) {
   top.pwdata_i = p.pwdata;
   top.sample_valid_i = p.sample_valid;
   top.sample_clip_i = p.sample_clip;
+  top.sample_channel_i = p.sample_channel;
   top.sample_u_i = p.sample_u;
   top.sample_v_i = p.sample_v;
 }

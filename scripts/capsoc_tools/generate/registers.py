@@ -128,6 +128,7 @@ class Peripheral:
     results: list = field(default_factory=list)  # registers, by their number
     words: dict = field(default_factory=dict)  # register: its word in the bank's memory
     settings: list = field(default_factory=list)  # registers that software alone writes and the hardware reads
+    optional: list = field(default_factory=list)  # registers that the board's hardware has not
 
 
 @dataclass
@@ -367,6 +368,10 @@ def read_hardware(element, peripherals):
             raise SourceError(settings.line, error)
         peripheral.settings.append(register)
     read_words(element.find("words"), peripheral)
+    optional = element.find("optional")
+    if optional is not None:
+        peripheral.optional = [read_register(each, peripheral.size) for each in optional.all("register")]
+        check_unique(peripheral.registers + peripheral.optional, name)
 
 
 def read_words(element, peripheral):
@@ -430,9 +435,18 @@ def c_struct(peripheral):
     return lines
 
 
+def c_optional(peripheral):
+    return [
+        f"#define {peripheral.name}_{register.name} "
+        f"(*({C_QUALIFIERS[register.access].strip()} uint32_t *)({peripheral.name}_BASE + 0x{register.offset:03X}UL)) "
+        f"/* {register.description} */"
+        for register in peripheral.optional
+    ]
+
+
 def c_fields(peripheral):
     lines = []
-    for register in peripheral.registers:
+    for register in peripheral.registers + peripheral.optional:
         lines.append(f"#define {peripheral.name}_{register.name}_Reset 0x{register.reset:08X}UL")
         for part in register.fields:
             if part.reserved:
@@ -470,7 +484,7 @@ def device_header(device, source):
             f"#define {peripheral.name} " f"((CAPSOC_{peripheral.name}_Type *){peripheral.name}_BASE)",
             "",
         ]
-        lines += c_fields(peripheral)
+        lines += c_optional(peripheral) + c_fields(peripheral)
     return "\n".join(lines + ["", "#endif", ""])
 
 
@@ -497,7 +511,7 @@ def cpp_namespace(peripheral):
     for name, number, _ in peripheral.interrupts:
         suffix = "" if name == peripheral.name else "_" + name.lower()
         lines.append(f"inline constexpr unsigned interrupt{suffix} = {number};")
-    for register in peripheral.registers:
+    for register in peripheral.registers + peripheral.optional:
         lines += [
             "",
             f"inline constexpr uint32_t {register.name}_offset = 0x{register.offset:03X};",
@@ -640,12 +654,12 @@ def reference_page(device, source):
         for name, number, description in peripheral.interrupts:
             lines += ["", f"Interrupt {number}, {name}: {description}."]
         lines += ["", "| offset | name | access | reset | meaning |", "|---|---|---|---|---|"]
-        for register in peripheral.registers:
+        for register in peripheral.registers + peripheral.optional:
             lines.append(
                 f"| 0x{register.offset:03X} | {register.name} | {register.access} | "
                 f"0x{register.reset:08X} | {cell(register.description)} |"
             )
-        for register in peripheral.registers:
+        for register in peripheral.registers + peripheral.optional:
             if not register.fields:
                 continue
             lines += [
@@ -679,7 +693,7 @@ def sv_package(peripheral, source):
         "  // No design needs every name of its description.",
         "  // verilator lint_off UNUSEDPARAM",
     ]
-    for register in peripheral.registers:
+    for register in peripheral.registers + peripheral.optional:
         prefix = register.name
         lines += [
             "",
@@ -717,7 +731,7 @@ def sv_package(peripheral, source):
 def sv_fields(peripheral):
     """For each register with fields a type that names them. Members are fields, the highest first."""
     lines = ["", "// The words of registers, by field."]
-    for register in peripheral.registers:
+    for register in peripheral.registers + peripheral.optional:
         if not register.fields:
             continue
         lines.append("typedef struct packed {")

@@ -61,7 +61,8 @@ def sv_type(peripheral, name):
 def sv_ports(name, selects):
     return [
         f"module {name} #(",
-        "  parameter int Parity = 1",
+        "  parameter int Parity = 1,",
+        "  parameter int Channels = 1",
         ") (",
         "  input  logic clk_i,",
         "  input  logic rst_ni,",
@@ -71,7 +72,10 @@ def sv_ports(name, selects):
         "  input  logic [31:0] write_data_i,",
         "  input  logic bad_parity_i,  // a write leaves the wrong parity bit",
         f"  output {name}_t settings_o,",
-        "  output logic fault_o  // a setting does not fit its parity bit",
+        "  output logic fault_o,  // a setting does not fit its parity bit",
+        "  input  logic shift_i,  // of the chain through a channel's context, chain_t",
+        "  input  logic [40:0] chain_i,",
+        "  output logic [40:0] chain_o",
         ");",
         "",
     ]
@@ -94,9 +98,19 @@ def sv_flip_flops(settings):
         lines += [f"  logic [31:0] {data};", f"  assign {data} = clear_i ? 32'h{reset:08X} : write_data_i;"]
         source.update({register.name: data for register in registers})
     lines += [f"  logic [{setting_bits(each) - 1}:0] {flip_flops(each)};" for each in settings]
+    bits = count + sum(map(setting_bits, settings))
+    lines += [
+        "  logic shift;",
+        f"  logic [{bits - 1}:0] moved;",
+        "  assign shift = Channels > 1 && shift_i;",
+    ]
     lines += ["  always_ff @(posedge clk_i or negedge rst_ni) begin", "    if (!rst_ni) begin"]
     lines += [f"      {flip_flops(each)} <= {setting_bits(each)}'h{each.reset:X};" for each in settings]
-    lines += ["    end else begin"]
+    lines += [
+        "    end else if (shift & ~clear_i) begin",
+        f"      {{{', '.join(map(flip_flops, settings))}}} <= moved[{bits - count - 1}:0];",
+        "    end else begin",
+    ]
     for place, register in enumerate(settings):
         data = part_of(source[register.name], register)
         lines += [f"      if (clear_i | written[{place}]) {flip_flops(register)} <= {data};"]
@@ -124,6 +138,8 @@ def sv_parity(settings):
     following = [
         "word_parity" if each.writable_mask == WORD_MASK else f"^{part_of('write_data_i', each)}" for each in settings
     ]
+    total = count + sum(map(setting_bits, settings))
+    kept = ", ".join(["parity_q", *map(flip_flops, settings)])
     resets = "".join(str(each.reset.bit_count() % 2) for each in reversed(settings))
     return [
         "",
@@ -138,9 +154,13 @@ def sv_parity(settings):
         "    else if (clear_i) parity_q <= ResetParity;",
         "    else if (|written)",
         f"      parity_q <= ((parity_q & ~written) | (next_parity & written)) & {{{count}{{Parity != 0}}}};",
+        f"    else if (shift) parity_q <= moved[{total - 1}:{total - count}];",
         "  end",
         f"  assign parity = {joined([f'^{flip_flops(each)}' for each in settings])};",
         "  assign fault_o = Parity != 0 & (|(parity ^ parity_q));",
+        f"  context_chain #(.Channels(Channels), .Width({total})) u_chain (",
+        f"    .kept_i({{{kept}}}), .chain_i, .moved_o(moved), .chain_o",
+        "  );",
     ]
 
 

@@ -2,10 +2,10 @@
 
 usage: lint_rtl [-h]
 
-verilator --lint-only -Wall and yosys for the top in both arithmetics and with two clocks an iteration, iverilog -g2012
--Wall (compile only); verilator for the probe with its nodes, too. The same three for the tops of rtl/wrappers; of them,
-yosys also says whether a path leads from an input to an output of the bus. Status 0: silence; 1: the messages are
-printed; 2: a tool is missing.
+verilator --lint-only -Wall and yosys for the top in both arithmetics, with two clocks an iteration and with several
+channels, iverilog -g2012 -Wall (compile only); verilator for the probe with its nodes, too. The same three for the
+tops of rtl/wrappers; of them, yosys also says whether a path leads from an input to an output of the bus. Status 0:
+silence; 1: the messages are printed; 2: a tool is missing.
 """
 
 import re
@@ -19,7 +19,13 @@ from capsoc_tools.rtl.sources import DESIGN, PROBE, ROOT, RTL, WRAPPERS, RtlErro
 
 WAIVERS = RTL / "lint" / "verilator.vlt"
 TOP = "coprocessor"
-DESIGNS = {"precise": (("Paper", 0),), "paper": (("Paper", 1),), "two clocks": (("Paper", 1), ("IterationClocks", 2))}
+DESIGNS = {
+    "precise": (("Paper", 0),),
+    "paper": (("Paper", 1),),
+    "two clocks": (("Paper", 1), ("IterationClocks", 2)),
+    "four channels": (("Paper", 0), ("Channels", 4)),
+    "sixteen channels": (("Paper", 1), ("Channels", 16)),
+}
 PROBE_TOP = "coprocessor_probe"
 # The tops of rtl/wrappers, and their outputs that registers alone must determine: IHI 0022E, A3.1.1, allows no other
 # path in AXI; in AHB-Lite one to HREADYOUT would lead through HREADY of the bus.

@@ -1,7 +1,7 @@
 """Synthesises the coprocessor for a Cyclone V and checks the netlist against the RTL.
 
 usage: synth [--arithmetic precise|safety|paper|two-clocks|both] [--json FILE] [--no-units] [--no-gate]
-             [--unit NAME] [--samples N] [--seed N] [--work FOLDER]
+             [--unit NAME] [--channels N] [--samples N] [--seed N] [--work FOLDER]
 
 Prints, for each arithmetic (default: both): area next to Table 7 of the SoC paper, area of every unit,
 the longest path, and the result of the netlist simulation. Both are without the safety mechanisms;
@@ -11,6 +11,7 @@ The limits (a third of the ALMs, a tenth of the DSP blocks, half of the register
 
 --no-units   leaves out the second synthesis, which keeps the hierarchy
 --no-gate    leaves out the netlist simulation
+--channels   of the coprocessor; default 1, and with more there are no limits
 --unit       one module of rtl/ (parameters as they stand there) instead of the whole: area, path, and its
              netlist against its RTL with random inputs in Icarus
 --samples    of the netlist simulation; default 3000 for precise, 300 for paper, 20000 inputs for a unit
@@ -74,7 +75,7 @@ Method: yosys synth_intel_alm -family cyclonev -nodsp, flattened; multipliers an
 on their cells by this script, because yosys 0.23 loses signs of the former and the inverter in the latter."""
 
 
-def print_area(name, area):
+def print_area(limits, area):
     """The table; returns whether the limits are kept."""
     kept = True
     print(f"{'':24}{'here':>10}{'Table 7':>10}{'share':>9}{'limit':>9}")
@@ -82,7 +83,7 @@ def print_area(name, area):
         line = f"{title:24}{area[key]:10,}"
         if key in TABLE_7:
             line += f"{TABLE_7[key]:10,}{area[key] / TABLE_7[key]:9.1%}"
-            if limit := LIMITS[name].get(key):
+            if limit := limits.get(key):
                 passed = area[key] <= limit
                 kept = kept and passed
                 line += f"{limit:9,}  {'pass' if passed else 'FAIL'}"
@@ -133,15 +134,20 @@ def report_unit(unit, arguments):
 
 
 def report(name, arguments):
-    parameters = PARAMETERS[name]
+    parameters = dict(PARAMETERS[name])
+    limits = LIMITS[name]
     folder = Path(arguments.work).resolve() / name
+    if arguments.channels > 1:
+        parameters["Channels"] = arguments.channels
+        limits = {}
+        folder = folder.with_name(f"{name}_{arguments.channels}_channels")
     folder.mkdir(parents=True, exist_ok=True)
     sources = design_sources(folder / "generated")
-    print(f"== {name}", flush=True)
+    print(f"== {folder.name}", flush=True)
     cells = synthesise(sources, parameters, folder, True)
     area = figures(total(cells, next(iter(cells))))
-    passed = print_area(name, area)
-    result = {"area": area, "limits": LIMITS[name] or None, "limits_kept": passed}
+    passed = print_area(limits, area)
+    result = {"area": area, "limits": limits or None, "limits_kept": passed}
     path = longest_path(folder)
     if path is None:
         print(f"\nlongest path: yosys sta was stopped after {STA_SECONDS} s", flush=True)
@@ -179,6 +185,7 @@ def main():
     parser.add_argument("--no-units", action="store_true")
     parser.add_argument("--no-gate", action="store_true")
     parser.add_argument("--unit")
+    parser.add_argument("--channels", type=int, choices=range(1, 17), default=1, metavar="N")
     parser.add_argument("--samples", type=int)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--work", default=ROOT / "build" / "synth")

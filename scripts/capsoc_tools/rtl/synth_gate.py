@@ -93,7 +93,8 @@ def gate(sources, parameters, folder, samples, seed):
     verilate(f"{TOP}_netlist", [str(folder / "netlist.v"), *techlib_cells(folder)], folder, [])
     verilate(TOP, sources, folder, [f"-G{name}={value}" for name, value in parameters.items()])
     program = build_program(GATE, [folder / TOP, folder / f"{TOP}_netlist"], [], folder)
-    done = subprocess.run([program, str(samples), str(seed)], capture_output=True, text=True)
+    channels = parameters.get("Channels", 1)
+    done = subprocess.run([program, str(samples), str(seed), str(channels)], capture_output=True, text=True)
     return done.returncode == 0, done.stdout.strip()
 
 

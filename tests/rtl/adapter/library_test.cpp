@@ -35,7 +35,7 @@ TEST(RtlLibrary, WhatIsNoLibraryIsRefused) {
 
 TEST(RtlLibrary, AnInterfaceOfAnotherVersionIsRefused) {
   expect_refusal(LIBRARIES "/rtl_library_wrong_version.so",
-                 "its interface has version 8 and this program wants 7");
+                 "its interface has version 9 and this program wants 8");
 }
 
 // What RTL is in a library is its own matter; nodes and registers that are not the program's are

@@ -28,6 +28,7 @@ extern "C" const capsoc_rtl_api* capsoc_rtl_entry() {
     with.abi_version = CAPSOC_RTL_ABI_VERSION;
     with.pins_size = sizeof(capsoc_rtl_pins);
     with.source_hash = "0123456789abcdef";
+    with.channels = 1;
     if (other != "pins") with.inside = &inside;
     return with;
   }();

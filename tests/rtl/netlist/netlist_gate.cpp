@@ -1,7 +1,7 @@
 // The synthesised netlist of the coprocessor against its RTL, both Verilated: the same stimulus,
 // and every output compared in every clock cycle. Built and run by scripts/tool synth.
 //
-// usage: netlist_gate SAMPLES SEED
+// usage: netlist_gate SAMPLES SEED CHANNELS
 // Ends with status 1 at the first difference.
 #include <cmath>
 #include <cstdint>
@@ -18,14 +18,18 @@ constexpr double tau = 6.283185307179586476925;
 
 // What the stimulus needs to know of the register map (docs/reference/coprocessor.md).
 constexpr uint32_t reg_ctrl = 0x008, reg_flags = 0x010, reg_cmd = 0x014, reg_freq_lo = 0x018,
-                   reg_freq_hi = 0x01c, reg_step_au = 0x028, reg_step_cv = 0x03c, reg_last = 0x0e0;
-constexpr uint32_t ctrl_adc = 1u << 4;
+                   reg_freq_hi = 0x01c, reg_step_au = 0x028, reg_step_cv = 0x03c, reg_last = 0x0e0,
+                   reg_channel = 0x100;
+constexpr uint32_t ctrl_adc = 1u << 4, channel_hold = 1u << 8;
+// A sample in each stage, one that waits, and two changes of context.
+constexpr uint64_t until_ready = 300;
 
 struct Inputs {
   bool select = false, enable = false, write = false;
   uint32_t address = 0, data = 0, strobe = 0;
   bool valid = false, clip = false;
   uint32_t u = 0, v = 0;
+  uint8_t channel = 0;
 };
 
 template <typename Top>
@@ -40,13 +44,14 @@ void drive(Top& top, const Inputs& in) {
   top.sample_clip_i = in.clip;
   top.sample_u_i = in.u;
   top.sample_v_i = in.v;
+  top.sample_channel_i = in.channel;
   top.pclk_i = 0;
   top.eval();
 }
 
 class Gate {
  public:
-  explicit Gate(uint64_t seed) : random_(seed) {
+  Gate(uint64_t seed, unsigned channels) : random_(seed), channels_(channels) {
     rtl_.presetn_i = netlist_.presetn_i = 0;
     for (int i = 0; i < 3; ++i) cycle({});
     rtl_.presetn_i = netlist_.presetn_i = 1;
@@ -54,7 +59,7 @@ class Gate {
 
   bool run(unsigned samples) {
     while (equal_ && samples_ < samples) {
-      if (samples_ % 250 == 0) prepare();
+      if (samples_ % (channels_ > 1 ? 50 : 250) == 0) prepare_one();
       const uint64_t kind = random_() % 16;
       // Mostly as fast as the pipeline goes; sometimes too early, sometimes idle in between.
       gap(kind == 0 ? random_() % 32 : kind == 1 ? 32 + random_() % 300 : 32 + random_() % 4);
@@ -108,6 +113,16 @@ class Gate {
   uint32_t word() { return static_cast<uint32_t>(random_() >> 32); }
   uint32_t any_register() { return static_cast<uint32_t>(random_() % (reg_last / 4 + 2)) * 4; }
 
+  // Of one channel, whose window is open for it.
+  void prepare_one() {
+    if (channels_ == 1) return prepare();
+    const auto window = static_cast<uint32_t>(random_() % channels_);
+    write(reg_channel, window | channel_hold);
+    gap(until_ready);
+    prepare();
+    write(reg_channel, window);
+  }
+
   // A new round: settings, the sensor's speed, the kind of signal.
   void prepare() {
     const uint32_t source = static_cast<uint32_t>(random_() % 3);
@@ -126,6 +141,7 @@ class Gate {
     Inputs in;
     in.valid = true;
     in.clip = random_() % 32 == 0;
+    if (channels_ > 1) in.channel = static_cast<uint8_t>(random_() % channels_);
     angle_ = std::fmod(angle_ + speed_, 1.0);
     if (noise_) {
       in.u = random_() % 8 == 0 ? 0x80000000u : word();
@@ -163,6 +179,7 @@ class Gate {
   Vcoprocessor rtl_;
   Vcoprocessor_netlist netlist_;
   std::mt19937_64 random_;
+  unsigned channels_;
   uint64_t cycles_ = 0;
   uint64_t reads_ = 0;
   unsigned samples_ = 0;
@@ -175,10 +192,11 @@ class Gate {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 3) {
-    std::fprintf(stderr, "usage: netlist_gate SAMPLES SEED\n");
+  if (argc != 4) {
+    std::fprintf(stderr, "usage: netlist_gate SAMPLES SEED CHANNELS\n");
     return 2;
   }
-  Gate gate(std::strtoull(argv[2], nullptr, 10));
+  Gate gate(std::strtoull(argv[2], nullptr, 10),
+            static_cast<unsigned>(std::strtoul(argv[3], nullptr, 10)));
   return gate.run(static_cast<unsigned>(std::strtoul(argv[1], nullptr, 10))) ? 0 : 1;
 }

@@ -29,7 +29,7 @@ module wrappers_bench (
     .hclk_i (clk_i), .hresetn_i (rst_ni),
     .hsel_i, .haddr_i, .hwrite_i, .htrans_i, .hsize_i, .hready_i, .hwdata_i, .hreadyout_o, .hrdata_o, .hresp_o,
     .sample_valid_i (ahb_sample_valid_i), .sample_u_i (ahb_sample_u_i), .sample_v_i (ahb_sample_v_i),
-    .sample_clip_i (ahb_sample_clip_i), .sample_ready_o (ahb_sample_ready_o), .irq_o (ahb_irq_o), .idle_o (ahb_idle_o)
+    .sample_clip_i (ahb_sample_clip_i), .sample_channel_i (4'd0), .sample_ready_o (ahb_sample_ready_o), .irq_o (ahb_irq_o), .idle_o (ahb_idle_o)
   );
 
   capsoc_coprocessor_axi4_lite #(
@@ -39,7 +39,7 @@ module wrappers_bench (
     .awvalid_i, .awready_o, .awaddr_i, .awprot_i, .wvalid_i, .wready_o, .wdata_i, .wstrb_i, .bvalid_o, .bready_i, .bresp_o,
     .arvalid_i, .arready_o, .araddr_i, .arprot_i, .rvalid_o, .rready_i, .rdata_o, .rresp_o,
     .sample_valid_i (axi_sample_valid_i), .sample_u_i (axi_sample_u_i), .sample_v_i (axi_sample_v_i),
-    .sample_clip_i (axi_sample_clip_i), .sample_ready_o (axi_sample_ready_o), .irq_o (axi_irq_o), .idle_o (axi_idle_o)
+    .sample_clip_i (axi_sample_clip_i), .sample_channel_i (4'd0), .sample_ready_o (axi_sample_ready_o), .irq_o (axi_irq_o), .idle_o (axi_idle_o)
   );
 
 endmodule

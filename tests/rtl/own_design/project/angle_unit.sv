@@ -49,6 +49,7 @@ module angle_unit #(
     .sample_u_i     (adc_sin),
     .sample_v_i     (adc_cos),
     .sample_clip_i  (adc_over),
+    .sample_channel_i (4'd0),
     .sample_ready_o (),
     .irq_o          (request),
     .idle_o         ()
