@@ -30,6 +30,7 @@ capsoc_firmware_objects(estimator OPTIMISE -O2 SOURCES apps/recursive/estimator.
 capsoc_firmware(selfcal SOURCES apps/selfcal/main.c OBJECTS shared runtime)
 capsoc_firmware(safe SOURCES apps/safe/main.c apps/safe/protection.c drivers/safe_angle.c drivers/coprocessor_safety.c OBJECTS shared runtime)
 capsoc_firmware(paper SOURCES apps/paper/main.c OBJECTS shared runtime)
+capsoc_firmware(channels SOURCES apps/channels/main.c drivers/coprocessor_channels.c apps/common/parameter_report.c OBJECTS runtime)
 capsoc_firmware(track SOURCES apps/track/main.c OBJECTS shared turn_meter runtime)
 capsoc_firmware(calibrate SOURCES apps/calibrate/main.c OBJECTS shared calibration runtime)
 capsoc_firmware(quick SOURCES apps/quick/main.c OBJECTS shared blocks runtime)
@@ -37,7 +38,7 @@ capsoc_firmware(harmonics SOURCES apps/harmonics/main.c OBJECTS shared blocks er
 capsoc_firmware(follow SOURCES apps/follow/main.c OBJECTS shared blocks follower runtime)
 capsoc_firmware(unordered SOURCES apps/unordered/main.c OBJECTS shared runtime)
 capsoc_firmware(recursive SOURCES apps/recursive/main.c OBJECTS shared estimator runtime)
-set(capsoc_applications selfcal safe paper track calibrate quick harmonics follow unordered recursive)
+set(capsoc_applications selfcal safe paper channels track calibrate quick harmonics follow unordered recursive)
 
 # Programs for tests.
 foreach(test hello debuggee profiled divzero evenjump badread stackoverflow forever exit_code drivers board newlib echo

@@ -151,7 +151,7 @@ void AdcFrontEnd::convert(const AdcInput& input) {
   if (u.clipped) flags.raise(FLAGS_CLIP_U_mask);
   if (v.clipped) flags.raise(FLAGS_CLIP_V_mask);
   update_interrupt();
-  const SensorSample sample{u.word, v.word, u.clipped || v.clipped, input.number};
+  const SensorSample sample{u.word, v.word, u.clipped || v.clipped, input.number, input.channel};
   conversions(index, sample);
   if (sink_) sink_(sample);
 }

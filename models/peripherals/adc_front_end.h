@@ -13,13 +13,14 @@
 
 namespace capsoc::peripherals {
 
-/// What the two channels of the sensor show at one instant.
+/// What the two signals of a sensor show at one instant.
 struct AdcInput {
-  double u;             ///< units of full scale; -1 to below 1 fit the converter
-  double v;             ///< as u
-  double angle_turns;   ///< true angle, if known
-  bool has_truth;       ///< angle_turns is known
-  uint64_t number = 0;  ///< of the source's; goes with the sample to its result
+  double u;              ///< units of full scale; -1 to below 1 fit the converter
+  double v;              ///< as u
+  double angle_turns;    ///< true angle, if known
+  bool has_truth;        ///< angle_turns is known
+  uint64_t number = 0;   ///< of the source's; goes with the sample to its result
+  unsigned channel = 0;  ///< of the coprocessor: the multiplexer in front of the converter
 };
 
 /// The ADC front-end: takes a sample of both channels every PERIOD cycles of PCLK, quantises it and

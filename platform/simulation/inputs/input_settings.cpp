@@ -62,8 +62,8 @@ SensorSettings::SensorSettings(Settings& settings)
 std::vector<sensor::KeyValue> SensorSettings::keys() const {
   std::vector<sensor::KeyValue> keys;
   const std::string prefix = "sensor.";
-  const std::vector<const SettingField*> own = {&file,       &adc_bits, &columns,
-                                                &full_scale, &zero,     &scale};
+  const std::vector<const SettingField*> own = {&file, &adc_bits, &columns, &full_scale,
+                                                &zero, &scale,    &further};
   const auto is_own = [&own](const Setting& setting) {
     return std::any_of(own.begin(), own.end(), [&](const SettingField* field) {
       return setting.path == field->about().path;

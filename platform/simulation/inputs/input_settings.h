@@ -75,6 +75,9 @@ struct SensorSettings {
   TextField scale{
       all, of_recording("scale", "auto: find full scale and zero of a recording by its values")
                .by({"--scale", "auto", "Find full scale and zero of a recording by its values"})};
+  TextField further{all, of_recording("further",
+                                      "sensors of channels 1, 2 and so on: files with commas "
+                                      "between; the converter takes all in turn")};
   /// What they say of a recording. Error: a value that is no number.
   Result<sensor::RecordingOptions> recording() const;
 

@@ -104,6 +104,13 @@ Result<RunInputs> read_inputs(const FirmwareSettings& firmware, const SensorSett
   inputs.sensor_warnings = golden::warnings_of(trace.value());
   inputs.source = std::move(trace.value().source);
   inputs.sensor_sha256 = trace.value().sha256;
+  for (const std::string& file : split(sensor.further(), ',')) {
+    if (file.empty()) continue;
+    auto further = golden::open_trace(file, {}, recording.value());
+    if (!further) return Error{further.error()};
+    inputs.further_sensors.push_back(
+        {std::move(further.value().source), file, further.value().sha256});
+  }
   inputs.recorded_speed = metrics::recorded_speed(*inputs.source);
   inputs.alignment = metrics::recorded_alignment(*inputs.source);
   const long long adc_bits = sensor.adc_bits() != 0
@@ -151,6 +158,9 @@ std::vector<Input> RunInputs::files(
     const std::vector<std::pair<std::string, std::string>>& received) const {
   std::vector<Input> files = {{"firmware", program_file, host::sha256_of_file(program_file)},
                               {"sensor", sensor_file, sensor_sha256}};
+  for (std::size_t i = 0; i < further_sensors.size(); ++i)
+    files.push_back({fmt::format("sensor of channel {}", i + 1), further_sensors[i].file,
+                     further_sensors[i].sha256});
   for (const std::string& place : places_to_load(settings))
     files.push_back({"image", place, host::sha256_of_file(place.substr(0, place.rfind('@')))});
   for (const auto& [role, file] : received)

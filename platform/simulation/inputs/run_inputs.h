@@ -26,6 +26,12 @@ struct RunInputs {
   std::vector<loader::ElfImage> further_images;           ///< later ones overwrite
   std::unique_ptr<sensor::Source> source;
   std::string sensor_sha256;
+  /// Of channels 1, 2 and so on.
+  struct FurtherSensor {
+    std::unique_ptr<sensor::Source> source;
+    std::string file, sha256;
+  };
+  std::vector<FurtherSensor> further_sensors;
   std::vector<std::string> sensor_warnings;  ///< on a recording, with its file
   unsigned adc_bits = 0;
   std::optional<double> recorded_speed;              ///< of the sensor, turns a sample

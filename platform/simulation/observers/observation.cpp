@@ -39,14 +39,18 @@ std::optional<Error> Observation::open() {
   soc_.adc.set_source([this](uint64_t k, double t) { return next(k, t); });
   // Its edge comes before the next sample, so the truth is still this sample's.
   submissions_ = soc_.coprocessor.samples.listen([this](uint64_t, bool latched, uint64_t number) {
-    if (!latched) return;
+    if (!latched || !is_alone()) return;
     metrics_.accepted(truth_);
     take(number);
   });
-  results_ = soc_.coprocessor.results.listen([this](uint64_t, const coprocessor::Nodes& nodes,
-                                                    uint64_t number) { result(nodes, number); });
-  conversions_ = soc_.adc.conversions.listen(
-      [this](uint64_t, const peripherals::SensorSample& sample) { converted(sample); });
+  results_ = soc_.coprocessor.results.listen(
+      [this](uint64_t, const coprocessor::Nodes& nodes, uint64_t number) {
+        if (is_alone()) result(nodes, number);
+      });
+  conversions_ =
+      soc_.adc.conversions.listen([this](uint64_t, const peripherals::SensorSample& sample) {
+        if (is_alone()) converted(sample);
+      });
   return std::nullopt;
 }
 
@@ -82,14 +86,29 @@ void Observation::lose(std::size_t count) {
 std::optional<peripherals::AdcInput> Observation::next(uint64_t k, double t) {
   if (k == 0) {
     source_.rewind();
+    for (const RunInputs::FurtherSensor& further : inputs_.further_sensors)
+      further.source->rewind();
     metrics_.dropped_all();
     match_.restarted();
     lose(on_the_way_.size());
+  }
+  if (!is_alone()) {
+    const uint64_t count = 1 + inputs_.further_sensors.size();
+    return next_of(static_cast<unsigned>(k % count), k / count, t);
   }
   const auto value = source_.sample(k, t);
   if (!value) return std::nullopt;
   truth_ = {sensor_time(k, t), value->u, value->v, value->angle_turns, value->has_truth};
   return peripherals::AdcInput{value->u, value->v, value->angle_turns, value->has_truth, ++number_};
+}
+
+/// The converter takes the sensors in turn.
+std::optional<peripherals::AdcInput> Observation::next_of(unsigned channel, uint64_t k, double t) {
+  sensor::Source& source = channel == 0 ? source_ : *inputs_.further_sensors.at(channel - 1).source;
+  const auto value = source.sample(k, t);
+  if (!value) return std::nullopt;
+  return peripherals::AdcInput{value->u,         value->v,  value->angle_turns,
+                               value->has_truth, ++number_, channel};
 }
 
 double Observation::sensor_time(uint64_t k, double t) const {

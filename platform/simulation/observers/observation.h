@@ -52,6 +52,10 @@ class Observation final : public RunObserver {
   void take(uint64_t number);
   void lose(std::size_t count);
   std::optional<peripherals::AdcInput> next(uint64_t k, double t);
+  std::optional<peripherals::AdcInput> next_of(unsigned channel, uint64_t k, double t);
+  /// With several sensors there are no metrics: what a result means is in registers that the
+  /// program has to open.
+  bool is_alone() const { return inputs_.further_sensors.empty(); }
   void result(const coprocessor::Nodes& nodes, uint64_t number);
   void watch_sampling(uint32_t control);
   double sensor_time(uint64_t k, double t) const;

@@ -47,6 +47,15 @@ std::optional<Error> check_processor(const RunSettings& settings) {
   return std::nullopt;
 }
 
+std::optional<Error> check_channels(const RunSettings& settings, const RunInputs& inputs) {
+  const std::size_t sensors = 1 + inputs.further_sensors.size();
+  const auto channels = static_cast<std::size_t>(settings.coprocessor.channels());
+  if (sensors == 1 || sensors <= channels) return std::nullopt;
+  return Error{fmt::format("{}: there are {} sensors and the coprocessor has {} channel{}; set {}",
+                           settings.sensor.further.name(), sensors, channels,
+                           channels == 1 ? "" : "s", settings.coprocessor.channels.name())};
+}
+
 /// What the run continues from; nothing: from reset.
 Result<std::optional<checkpoint::Checkpoint>> restored_state(const RunSettings& settings,
                                                              const RunInputs& inputs,
@@ -72,6 +81,7 @@ Result<std::unique_ptr<Simulation>> Simulation::construct(const RunSettings& set
   if (auto error = check_recording(settings.results)) return *error;
   auto inputs = read_inputs(settings);
   if (!inputs) return Error{inputs.error()};
+  if (auto error = check_channels(settings, inputs.value())) return *error;
   if (additions.inputs) additions.inputs(inputs.value());
   std::optional<checkpoint::Checkpoint> restore;
   if (!additions.waits) {
