@@ -158,8 +158,8 @@ void PinReplay::clock() {
 
 void PinReplay::differ(std::string what, uint64_t model, uint64_t rtl) {
   if (difference_) return;
-  difference_ = rtl::Difference{now_, std::move(what), fmt::format("{:#x}", model),
-                                fmt::format("{:#x}", rtl), ""};
+  difference_ = rtl::Difference{
+      now_, std::move(what), fmt::format("{:#x}", model), fmt::format("{:#x}", rtl), "", ""};
 }
 
 std::string PinReplay::report() const {

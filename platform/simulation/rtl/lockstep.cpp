@@ -165,6 +165,7 @@ class Lockstep::Pair {
         "  first node  {}\n",
         d.cycle, static_cast<double>(d.cycle) * cycle_ns * 1e-9, d.what, d.model, d.rtl,
         d.node.empty() ? "none: every node agreed so far" : d.node);
+    if (!d.registers.empty()) text += "  registers   " + d.registers + " (model, rtl)\n";
     const auto list = [&](const char* title, const std::deque<Operation>& operations) {
       text += fmt::format("{} (at their edges, the newest last)\n", title);
       for (const Operation& o : operations) text += describe(o) + "\n";
@@ -384,12 +385,29 @@ class Lockstep::Pair {
   void compare_outputs() {
     if (!same()) return;
     const bool level = model_->interrupt();
-    compare("interrupt line", level, rtl_->interrupt());
+    compare_output("interrupt line", level, rtl_->interrupt());
     if (level != level_) ++counters_.interrupt_edges;
     level_ = level;
-    compare("idle", model_->idle(), rtl_->idle());
-    compare("next event", static_cast<int64_t>(model_->next_event().value_or(0)),
-            static_cast<int64_t>(rtl_->next_event().value_or(0)));
+    compare_output("idle", model_->idle(), rtl_->idle());
+    compare_output("next event", static_cast<int64_t>(model_->next_event().value_or(0)),
+                   static_cast<int64_t>(rtl_->next_event().value_or(0)));
+  }
+
+  /// A pin says little of why; what software would read at this edge says more.
+  void compare_output(const std::string& what, int64_t model, int64_t rtl) {
+    if (model != rtl && same()) found(what, model, rtl, "", differing_registers());
+  }
+
+  std::string differing_registers() const {
+    std::string text;
+    for (const auto& entry : registers::coprocessor::table) {
+      const RegisterAccess ours = model_->read(present_, entry.offset, true);
+      const RegisterAccess theirs = rtl_->read(present_, entry.offset, true);
+      if (ours.ok && theirs.ok && ours.value != theirs.value)
+        text += fmt::format("{}{} 0x{:08x} 0x{:08x}", text.empty() ? "" : ", ", entry.name,
+                            ours.value, theirs.value);
+    }
+    return text;
   }
 
   void compare_commit() {
@@ -458,8 +476,10 @@ class Lockstep::Pair {
     if (model != rtl && same()) found(what, model, rtl, "");
   }
 
-  void found(std::string what, int64_t model, int64_t rtl, std::string node) {
-    difference_ = Difference{present_, std::move(what), hex(model), hex(rtl), std::move(node)};
+  void found(std::string what, int64_t model, int64_t rtl, std::string node,
+             std::string registers = "") {
+    difference_ = Difference{present_, std::move(what), hex(model),
+                             hex(rtl), std::move(node), std::move(registers)};
     if (on_difference_) on_difference_();
   }
 

@@ -20,6 +20,7 @@ struct Difference {
   std::string what;        ///< "read of 0x0c0 (ANGLE)", "interrupt", "node sine of T2", ...
   std::string model, rtl;  ///< both values, in hexadecimal
   std::string node;        ///< the node that went wrong first in pipeline order; "" if none did
+  std::string registers;   ///< those that differ, too, with both values, of a difference at a pin
 };
 
 /// One call of the Device interface, as it is replayed.

@@ -149,6 +149,9 @@ TEST_P(LockstepTest, AWrongLoadIsNamedWithoutASample) {
 TEST_P(LockstepTest, AWrongInterruptIsFoundAtItsEdge) {
   Faults faults;
   faults.interrupt = [](bool) { return false; };
+  faults.read = [](uint32_t offset, RegisterAccess& access) {
+    if (offset == reg_flags) access.value &= ~1u;  // RESULT
+  };
   const auto both = lockstep(faults);
   both->write(5, reg_ctrl, ctrl_adc | ctrl_ie_result);
   both->submit(100, 1 << 29, 1 << 28, false);
@@ -156,6 +159,9 @@ TEST_P(LockstepTest, AWrongInterruptIsFoundAtItsEdge) {
   ASSERT_TRUE(both->difference());
   EXPECT_EQ(both->difference()->what, "interrupt line");
   EXPECT_EQ(both->difference()->cycle, 261u);
+  EXPECT_EQ(both->difference()->registers, "FLAGS 0x00000000 0x00000001");
+  EXPECT_NE(both->report("", 40).find("registers   FLAGS 0x00000000 0x00000001 (model, rtl)"),
+            std::string::npos);
 }
 
 TEST_P(LockstepTest, AnotherLatencyIsFound) {
