@@ -193,13 +193,20 @@ std::string test_case(const StoredCampaign& campaign, const StoredRun& run, cons
 
 }  // namespace
 
+std::string failures_title(const Report& r) {
+  const uint64_t all = r.done - r.passed;
+  if (all == r.failures.size()) return "failures";
+  return fmt::format("failures: the first {} of {}; capsoc campaign export has all",
+                     r.failures.size(), all);
+}
+
 std::string to_text(const Report& r) {
   std::string text = fmt::format("campaign {} ({}), capsoc {}\n", r.name, r.kind, r.version);
   text += count_line(r) + yield_text(r);
   for (const ByReport& by : r.by) text += by_text(by);
   if (r.finished > 0) text += metrics_text(r) + sensitivity_text(r);
   text += examples_text("worst: the largest " + r.worst_metric, r.worst);
-  return text + examples_text("failures: the first of them", r.failures);
+  return text + examples_text(failures_title(r), r.failures);
 }
 
 namespace {

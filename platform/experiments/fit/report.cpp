@@ -313,16 +313,35 @@ bool has_unit(const sensor::Description& d) {
   return d.full_scale != 1 || d.zero != 0 || d.step.has_value();
 }
 
+std::string full_scale_text(const sensor::Description& d) {
+  return fmt::format("{}{}full scale {}, zero {}", d.unit, d.unit.empty() ? "" : ": ", d.full_scale,
+                     d.zero);
+}
+
+std::string header_unit_line(const sensor::Description& d) {
+  return d.full_scale != 1 || d.zero != 0
+             ? fmt::format("// Parameters are of (value - zero) / full scale; {}\n",
+                           full_scale_text(d))
+             : "";
+}
+
 std::string unit_line(const sensor::Description& d) {
   if (!has_unit(d)) return "";
   std::string text = "values       ";
-  if (d.full_scale != 1 || d.zero != 0)
-    text += fmt::format("{}{}full scale {}, zero {}", d.unit, d.unit.empty() ? "" : ": ",
-                        d.full_scale, d.zero);
+  if (d.full_scale != 1 || d.zero != 0) text += full_scale_text(d);
   if (d.step)
     text += fmt::format("{}in steps of {:.4g} of full scale{}", text.back() == ' ' ? "" : ", ",
                         *d.step, fmt::format(" ({:.4g} bits)", 1 - std::log2(*d.step)));
   return text + "\n";
+}
+
+std::string angle_error_line(const Fit& fit) {
+  if (!fit.angle_column.empty())
+    return fmt::format("angle error  not known: {}\n", fit.angle_column);
+  if (!fit.errors.uncalibrated && !fit.errors.calibrated)
+    return "angle error  not known: the record has no true angle\n";
+  return fmt::format("angle error  {} before, {} after (peak to peak)\n",
+                     degrees(fit.errors.uncalibrated), degrees(fit.errors.calibrated));
 }
 
 }  // namespace
@@ -393,9 +412,11 @@ std::string to_header(const Fit& fit) {
       "// Calibration words for the firmware (parameter_block.h), by capsoc fit.\n"
       "// Samples: {}, SHA-256 {}\n"
       "// Method: {}\n"
+      "{}"
       "#ifndef CALIBRATION_H\n#define CALIBRATION_H\n\n"
       "// Q1.31\n",
-      std::filesystem::path(fit.record.path).filename().string(), fit.record.sha256, how(fit));
+      std::filesystem::path(fit.record.path).filename().string(), fit.record.sha256, how(fit),
+      header_unit_line(fit.record.description));
   for (const ParameterRow& row : rows_of(fit)) {
     const std::string name = row.name;
     const bool angle = name == "beta" || name == "phi";
@@ -448,10 +469,7 @@ std::string to_table(const Fit& fit) {
   text += bound_line(answer);
   if (!answer.disagreement.empty()) text += fmt::format("companions   {}\n", answer.disagreement);
   if (!answer.harmonics.reason.empty()) text += harmonics_table(answer.harmonics);
-  text += fit.angle_column.empty()
-              ? fmt::format("angle error  {} before, {} after (peak to peak)\n",
-                            degrees(fit.errors.uncalibrated), degrees(fit.errors.calibrated))
-              : fmt::format("angle error  not known: {}\n", fit.angle_column);
+  text += angle_error_line(fit);
   if (fit.errors.with_harmonics)
     text += fmt::format("             {} with the harmonics taken off\n",
                         degrees(fit.errors.with_harmonics));

@@ -177,9 +177,11 @@ Result<ElfImage> parse_elf(const std::string& path, std::string bytes) {
   elf_version(EV_CURRENT);
   const ElfHandle elf(elf_memory(bytes.data(), bytes.size()), elf_end);
   if (!elf || elf_kind(elf.get()) != ELF_K_ELF)
-    return wrong(path,
-                 "is no ELF file, no Intel HEX and no S-records; build it with arm-none-eabi-gcc "
-                 "-mcpu=cortex-m3, or load raw bytes where they belong with --load FILE@ADDRESS");
+    return wrong(
+        path,
+        "is no ELF file, no Intel HEX and no S-records; build it with arm-none-eabi-gcc "
+        "-mcpu=cortex-m3, load raw bytes where they belong with --load FILE@ADDRESS, or give a "
+        "recording with --sensor");
   GElf_Ehdr header;
   if (gelf_getehdr(elf.get(), &header) == nullptr)
     return wrong(path, "its ELF header is damaged; rebuild it");
