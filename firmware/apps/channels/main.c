@@ -1,7 +1,7 @@
 // Calibrates the sensors of all channels at once, by blocks of a turn
 // (docs/reference/coprocessor.md, "Block learning", "Channels"). Their shafts turn at one known
-// speed. A channel passes if its last two turns were good. One that does not is refused, and the
-// others continue.
+// speed. A channel passes if its last two turns were good; unlike `selfcal` this program bounds no
+// angle. One that does not is refused, and the others continue.
 //
 // Status: 0 every channel passes, 1 at least one is refused or the signal ends, 2 the ADC refuses
 // the settings, 3 no coprocessor with several channels and block learning on this board.
@@ -133,7 +133,7 @@ static uint32_t print_channels(void) {
     print_text("channel ");
     print_unsigned(i, 0);
     if (channels[i].passed) {
-      print_text(": pass\n");
+      print_text(": pass: the last 2 turns were good by the turn judge; no bound of the angle\n");
       print_parameter_table(&channels[i].parameters);
       continue;
     }
