@@ -131,15 +131,14 @@ def translate(proof, folder, names):
 
 
 def engines(proof, fault):
-    """[(label, arguments of yosys-smtbmc)]; what finds a fault soonest comes first."""
+    """[(label, arguments of yosys-smtbmc)]"""
     solver = proof.get("solver", "z3")
     chosen = []
     if proof.get("bmc"):
         chosen.append((f"{solver} bmc {proof['bmc']}", ["-s", solver, "-t", str(proof["bmc"])]))
     if proof.get("induction"):
         chosen.append((f"{solver} ind {proof['induction']}", ["-s", solver, "-i", "-t", str(proof["induction"])]))
-    # A fault that takes cycles to show is one step away from some state that the assertions allow.
-    return chosen[::-1] if fault else chosen
+    return chosen[::-1] if fault and proof.get("fault_first") == "induction" else chosen
 
 
 WAVES = "counterexample.vcd"
