@@ -20,6 +20,11 @@ inline constexpr unsigned pending_shift = description::CHANNEL_PENDING_shift;
 
 }  // namespace channel
 
+// Hardware of several channels has CHANNEL there.
+constexpr bool is_channel_register(uint32_t offset, unsigned channels) {
+  return channels > 1 && offset == channel::offset;
+}
+
 // A register that the window shows of every channel alike.
 constexpr bool is_shared(uint32_t offset) {
   return offset == reg_id || offset == reg_version || offset == reg_latency;

@@ -151,7 +151,7 @@ uint32_t Coprocessor::judge_word() const {
 
 RegisterAccess Coprocessor::read(uint64_t cycle, uint32_t offset, bool debug) {
   advance(cycle);
-  if (options_.channels > 1 && offset == channel::offset) return {true, channel_word()};
+  if (is_channel_register(offset, channels())) return {true, channel_word()};
   const auto* rule = find_rule(offset);
   if (rule == nullptr) return {};
   if (!shows(offset, sequencer_.ready(), debug)) return {true, 0};
@@ -167,7 +167,7 @@ RegisterAccess Coprocessor::read(uint64_t cycle, uint32_t offset, bool debug) {
 
 bool Coprocessor::write(uint64_t cycle, uint32_t offset, uint32_t value) {
   advance(cycle);
-  if (options_.channels > 1 && offset == channel::offset) {
+  if (is_channel_register(offset, channels())) {
     write_channel(cycle, value);
     return true;
   }

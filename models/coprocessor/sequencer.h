@@ -86,8 +86,9 @@ class Sequencer {
   std::optional<uint64_t> next_event() const;
 
   void visit(Archive& archive);
-  // What only several channels need; `last` is the number of the last one.
-  void visit_channels(Archive& archive, unsigned last);
+  // What only several channels need. The selection is a part of the architectural state; `last` is
+  // the number of the last channel.
+  void visit_channels(Archive& archive, const Selection& selection, unsigned last);
 
  private:
   bool pipeline_empty() const;

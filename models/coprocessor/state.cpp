@@ -166,10 +166,8 @@ void Sequencer::visit(Archive& archive) {
   if (load_stage_ && *load_stage_ >= load_stage_count) archive.refuse("has no such load stage");
 }
 
-void Sequencer::visit_channels(Archive& archive, unsigned last) {
-  archive.at_most("active", selection_.active, last);
-  archive.at_most("window", selection_.window, last);
-  archive("hold", selection_.hold);
+void Sequencer::visit_channels(Archive& archive, const Selection& selection, unsigned last) {
+  selection_ = selection;
   archive.at_most("held_channel", held_channel_, last);
   archive("changing", changing_);
   archive.at_most("target", target_, last);
@@ -257,7 +255,7 @@ void Coprocessor::visit(Archive& archive) {
   arch_.selection = sequencer_.selection();
   arch_.visit(archive);
   archive("sequencer", sequencer_);
-  if (options_.channels > 1) sequencer_.visit_channels(archive, channels() - 1);
+  if (options_.channels > 1) sequencer_.visit_channels(archive, arch_.selection, channels() - 1);
   archive("held", held_);
   archive("pipe", pipe_);
   archive("load_rotation", load_rotation_);

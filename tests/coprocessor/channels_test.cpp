@@ -9,18 +9,12 @@
 #include "base/archive.h"
 #include "bench.h"
 #include "coprocessor/channel_register.h"
+#include "several_channels.h"
 
 namespace capsoc::coprocessor::test {
 namespace {
 
 constexpr unsigned change = 1 + change_cycles;  // from the edge that asks for it to the last of it
-
-Options with_channels(unsigned count, Arithmetic arithmetic = Arithmetic::precise) {
-  Options options;
-  options.channels = static_cast<int>(count);
-  options.arithmetic = arithmetic;
-  return options;
-}
 
 class Channels : public testing::Test {
  protected:

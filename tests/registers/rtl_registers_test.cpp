@@ -12,6 +12,7 @@
 #include "Vregister_bench_precise.h"
 #include "capsoc_registers.h"
 #include "coprocessor/coprocessor.h"
+#include "likely_word.h"
 
 // Verilator's library asks for it.
 double sc_time_stamp() {
@@ -22,6 +23,7 @@ namespace {
 
 using capsoc::coprocessor::Arithmetic;
 using capsoc::coprocessor::Coprocessor;
+using capsoc::coprocessor::likely_word;
 using capsoc::coprocessor::Options;
 namespace table = capsoc::registers::coprocessor;
 
@@ -247,28 +249,12 @@ class Bench {
   std::mt19937_64 noise_{7};
 };
 
-// Values that are likely to matter: corners, small numbers, anything.
-uint32_t word(std::mt19937_64& random) {
-  switch (random() % 6) {
-    case 0:
-      return 0;
-    case 1:
-      return 0xFFFFFFFF >> random() % 32;
-    case 2:
-      return 0x80000000u + static_cast<uint32_t>(random() % 3) - 1;
-    case 3:
-      return uint32_t{1} << random() % 32;
-    default:
-      return static_cast<uint32_t>(random());
-  }
-}
-
 Stimulus any(std::mt19937_64& random, unsigned busyness) {
   Stimulus s;
   s.select = random() % 4 != 0;
   s.enable = s.select ? random() % 4 != 0 : random() % 8 == 0;
   s.write = random() % 2 != 0;
-  s.data = word(random);
+  s.data = likely_word(random);
   s.address = static_cast<uint32_t>(random() % 0x3C) * 4;
   if (random() % 32 == 0) s.address = static_cast<uint32_t>(random() % 0x1000);
   if (random() % 16 == 0) s.strobe = static_cast<uint32_t>(random() % 16);
@@ -281,8 +267,8 @@ Stimulus any(std::mt19937_64& random, unsigned busyness) {
   if (s.write && s.address == table::CMD_offset && random() % 4 != 0) s.data &= ~1u;
   s.sample = random() % 100 < busyness;
   s.clip = random() % 8 == 0;
-  s.u = word(random);
-  s.v = word(random);
+  s.u = likely_word(random);
+  s.v = likely_word(random);
   return s;
 }
 

@@ -133,7 +133,9 @@ static uint32_t print_channels(void) {
     print_text("channel ");
     print_unsigned(i, 0);
     if (channels[i].passed) {
-      print_text(": pass: the last 2 turns were good by the turn judge; no bound of the angle\n");
+      print_text(": pass: the last ");
+      print_unsigned(good_turns, 0);
+      print_text(" turns were good by the turn judge; no bound of the angle\n");
       print_parameter_table(&channels[i].parameters);
       continue;
     }

@@ -167,7 +167,7 @@ bool CoprocessorTlm::read_word(uint32_t offset, uint32_t& value, bool debug) {
 // Whether a write is answered with an error depends on its address alone, so the answer need not
 // wait for the edge.
 bool CoprocessorTlm::write_word(uint32_t offset, uint32_t value, uint32_t /*lanes: always all*/) {
-  const bool mapped = is_register(offset) || (device_->channels() > 1 && offset == channel::offset);
+  const bool mapped = is_register(offset) || is_channel_register(offset, device_->channels());
   if (!clock_.is_stopped()) {
     begin_access();
     write_ = Write{offset, value};

@@ -191,14 +191,14 @@ std::string test_case(const StoredCampaign& campaign, const StoredRun& run, cons
                             xml_text(details), judged.finished ? "failure" : "error");
 }
 
-}  // namespace
-
 std::string failures_title(const Report& r) {
   const uint64_t all = r.done - r.passed;
   if (all == r.failures.size()) return "failures";
   return fmt::format("failures: the first {} of {}; capsoc campaign export has all",
                      r.failures.size(), all);
 }
+
+}  // namespace
 
 std::string to_text(const Report& r) {
   std::string text = fmt::format("campaign {} ({}), capsoc {}\n", r.name, r.kind, r.version);

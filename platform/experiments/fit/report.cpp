@@ -308,9 +308,13 @@ std::string gates_line(const identification::Identification& answer) {
   return "gates        passed: " + names + "\n";
 }
 
+bool has_scale(const sensor::Description& d) {
+  return d.full_scale != 1 || d.zero != 0;
+}
+
 /// A recording's unit is worth a word.
 bool has_unit(const sensor::Description& d) {
-  return d.full_scale != 1 || d.zero != 0 || d.step.has_value();
+  return has_scale(d) || d.step.has_value();
 }
 
 std::string full_scale_text(const sensor::Description& d) {
@@ -319,16 +323,14 @@ std::string full_scale_text(const sensor::Description& d) {
 }
 
 std::string header_unit_line(const sensor::Description& d) {
-  return d.full_scale != 1 || d.zero != 0
-             ? fmt::format("// Parameters are of (value - zero) / full scale; {}\n",
-                           full_scale_text(d))
-             : "";
+  if (!has_scale(d)) return "";
+  return fmt::format("// Parameters are of (value - zero) / full scale; {}\n", full_scale_text(d));
 }
 
 std::string unit_line(const sensor::Description& d) {
   if (!has_unit(d)) return "";
   std::string text = "values       ";
-  if (d.full_scale != 1 || d.zero != 0) text += full_scale_text(d);
+  if (has_scale(d)) text += full_scale_text(d);
   if (d.step)
     text += fmt::format("{}in steps of {:.4g} of full scale{}", text.back() == ' ' ? "" : ", ",
                         *d.step, fmt::format(" ({:.4g} bits)", 1 - std::log2(*d.step)));

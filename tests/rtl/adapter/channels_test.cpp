@@ -6,6 +6,7 @@
 #include <random>
 #include <string>
 
+#include "../../coprocessor/several_channels.h"
 #include "base/archive.h"
 #include "coprocessor/channel_register.h"
 #include "coprocessor/coprocessor.h"
@@ -87,13 +88,6 @@ class SeveralChannels {
   uint64_t cycle_ = 10;
   unsigned rate_ = 0;
 };
-
-Options with_channels(int count, Arithmetic arithmetic) {
-  Options options;
-  options.channels = count;
-  options.arithmetic = arithmetic;
-  return options;
-}
 
 TEST(ChannelsInLockstep, Four) {
   for (const uint64_t seed : {1, 2}) {

@@ -6,6 +6,8 @@
 #include <memory>
 #include <random>
 
+#include "../../coprocessor/several_channels.h"
+#include "../../registers/likely_word.h"
 #include "Vchannels_16.h"
 #include "Vchannels_2.h"
 #include "Vchannels_4.h"
@@ -147,27 +149,6 @@ class Bench {
   uint64_t cycle_ = 0;
 };
 
-Options with_channels(unsigned count, Arithmetic arithmetic) {
-  Options options;
-  options.channels = static_cast<int>(count);
-  options.arithmetic = arithmetic;
-  return options;
-}
-
-// Words that are likely to matter: small numbers, corners, anything.
-uint32_t word(std::mt19937_64& random) {
-  switch (random() % 6) {
-    case 0:
-      return 0;
-    case 1:
-      return 0xFFFFFFFF >> random() % 32;
-    case 2:
-      return 0x80000000u + static_cast<uint32_t>(random() % 3) - 1;
-    default:
-      return static_cast<uint32_t>(random());
-  }
-}
-
 // Stretches with few samples, with some of every channel, and with more than fit.
 class Traffic {
  public:
@@ -183,14 +164,14 @@ class Traffic {
     s.sample = below(1000) < rate_;
     s.channel = below(below(50) == 0 ? 16 : count_);
     s.clip = below(8) == 0;
-    s.u = static_cast<int32_t>(word(random_)) >> below(4);
-    s.v = static_cast<int32_t>(word(random_)) >> below(4);
+    s.u = static_cast<int32_t>(likely_word(random_)) >> below(4);
+    s.v = static_cast<int32_t>(likely_word(random_)) >> below(4);
     if (cycle < busy_until_ || (quiet_ && below(100) != 0)) return s;
     busy_until_ = cycle + 2;
     s.access = below(4) != 0;
     s.write = below(2) == 0;
     s.address = below(0x40) * 4;
-    s.data = word(random_);
+    s.data = likely_word(random_);
     if (below(64) == 0) s.address = below(0x1000);
     const bool ready = (model.read(cycle, channel::offset, true).value & channel::ready) != 0;
     if (below(ready ? 40 : 4) == 0) s.address = channel::offset;
