@@ -3,6 +3,7 @@
 
 import csv
 import json
+import re
 import shlex
 import subprocess
 import time
@@ -343,6 +344,20 @@ class Tool(Case):
         self.assertRegex(table("d.sqlite", "--by", "firmware.elf", "--only", "firmware.elf=safe"), r"(?m)^faults +12$")
         self.assertIn("its runs have no 'colour'", table("d.sqlite", "--by", "colour", code=2))
         self.assertIn("this is no store of a campaign", table("d.toml", code=2))
+        # What became of each fault in the two programs.
+        said = table("d.sqlite", "--by", "firmware.elf", "--alike", "firmware.elf", code=1)
+        became = {}
+        for row in (dict(zip(rows, values)) for values in zip(*rows.values())):
+            outcome = tuple(row[name] for name in ("verdict", "detected.by", "error_deg", "simulated_s"))
+            became.setdefault(row["fault.line"], []).append(outcome)
+        differ = sorted(line for line, outcomes in became.items() if len(set(outcomes)) > 1)
+        self.assertTrue(0 < len(differ) < len(became), became)
+        self.assertIn(f"\nalike: {12 - len(differ)} of 12 faults with firmware.elf safe, selfcal\n", said)
+        self.assertEqual(sorted(re.findall(r"(?m)^differs \(\): (.*?): safe: ", said)), differ)
+        none = table(
+            "d.sqlite", "--by", "firmware.elf", "--only", "firmware.elf=safe", "--alike", "firmware.elf", code=1
+        )
+        self.assertIn("alike: 0 of 0 faults with firmware.elf safe; 12 without a run for each", none)
         # Runs without a verdict are not left out in silence.
         (self.folder / "e.toml").write_text(
             'name = "e"\nkind = "fault"\nleast_yield = 0\n[settings]\nfault.units = "coprocessor"\n'
