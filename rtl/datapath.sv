@@ -195,21 +195,26 @@ module datapath #(
     .u_i(u_q), .v_i(v_q), .data_i(data), .sine_i(sine), .cosine_i(cosine), \
     .steps_i(steps), .slew_i(registers.JUDGE.SLEW), \
     .weights_i(weights_now), .parameters_i(parameters_now), .relative_i(relative), \
-    .core_o(core), .weights_o(weights), .parameters_o(parameters)
+    .bad_parity_i(settings_i.safety.BAD_PARITY), \
+    .core_o(core), .weights_o(weights), .parameters_o(parameters), .bad_copy_o(bad_copy)
   logic signed [31:0] data;
   logic [31:0] angle;
+  logic bad_copy;
   if (Paper != 0) begin : g_paper
     paper_core #(
       .OperandBits(OperandBits),
       .StepShift(StepShift),
       .PlainArctangent(PlainArctangent),
-      .IterationClocks(IterationClocks)
+      .IterationClocks(IterationClocks),
+      .Safety(Safety)
     ) u_core (
       `CORE_PORTS
     );
   end else begin : g_precise
     localparam int unused_settings = OperandBits + StepShift + ReferenceLead + IterationClocks;
-    precise_core u_core (
+    precise_core #(
+      .Safety(Safety)
+    ) u_core (
       `CORE_PORTS
     );
   end
@@ -348,6 +353,7 @@ module datapath #(
     .bad_parity_i, .bad_safety_i,
     .bad_node_i   (bad_node),
     .bad_sum_i    (bad_sum),
+    .bad_copy_i   (bad_copy),
     .error_valid_i(core.error_valid),
     .error_i      (core.error),
     .step_i       (step),

@@ -8,11 +8,13 @@
 // The units and their latencies are those of their own files; everything here is valid in cycle 31
 // of its tick, the strobes in the cycles given below. Cost does not count in this arithmetic:
 // registers are copied at the tick's start as they are. Clocks of rest are the arctangents' alone.
+// Weights, parameters and steps are copied with one parity bit.
 module paper_core #(
   parameter int OperandBits = 32,
   parameter int StepShift = 0,
   parameter int PlainArctangent = 0,
-  parameter int IterationClocks = 1
+  parameter int IterationClocks = 1,
+  parameter int Safety = 1
 ) (
   input  logic               clk_i,
   input  logic               rst_ni,
@@ -30,9 +32,11 @@ module paper_core #(
   input  weights_t           weights_i,
   input  parameters_t        parameters_i,
   input  logic        [31:0] relative_i,    // core_o.relative corrected, in cycle 31
+  input  logic               bad_parity_i,  // SAFETY.BAD_PARITY
   output core_t              core_o,
   output weights_t           weights_o,
-  output parameters_t        parameters_o
+  output parameters_t        parameters_o,
+  output logic               bad_copy_o
 );
 
   logic boundary;
@@ -48,19 +52,29 @@ module paper_core #(
   weights_t weights_q;
   steps_t steps_q;
   logic [2:0] slew_q;
+  parameters_t parameters;
+  weights_t weights;
+  logic parity_q, bad_parity_q;
+  assign parameters = keep_i.parameters ? parameters_o : parameters_i;
+  assign weights.au = keep_i.weights_u ? weights_o.au : weights_i.au;
+  assign weights.bu = keep_i.weights_u ? weights_o.bu : weights_i.bu;
+  assign weights.cu = keep_i.weights_u ? weights_o.cu : weights_i.cu;
+  assign weights.av = keep_i.weights_v ? weights_o.av : weights_i.av;
+  assign weights.bv = keep_i.weights_v ? weights_o.bv : weights_i.bv;
+  assign weights.cv = keep_i.weights_v ? weights_o.cv : weights_i.cv;
   always_ff @(posedge clk_i) begin
     if (boundary) begin
-      parameters_q <= keep_i.parameters ? parameters_o : parameters_i;
-      weights_q.au <= keep_i.weights_u ? weights_o.au : weights_i.au;
-      weights_q.bu <= keep_i.weights_u ? weights_o.bu : weights_i.bu;
-      weights_q.cu <= keep_i.weights_u ? weights_o.cu : weights_i.cu;
-      weights_q.av <= keep_i.weights_v ? weights_o.av : weights_i.av;
-      weights_q.bv <= keep_i.weights_v ? weights_o.bv : weights_i.bv;
-      weights_q.cv <= keep_i.weights_v ? weights_o.cv : weights_i.cv;
+      parameters_q <= parameters;
+      weights_q <= weights;
       steps_q <= steps_i;
       slew_q <= slew_i;
+      parity_q <= ^{parameters, weights, steps_i};
+      bad_parity_q <= bad_parity_i;
     end
   end
+  // A tick that writes weights has a wrong bit with BAD_PARITY, as the ring of the other arithmetic.
+  assign bad_copy_o = boundary && Safety != 0 && (^{parameters_q, weights_q, steps_q} ^ parity_q ^
+                                                  (bad_parity_q && keep_i.weights_u));
 
   // What a sample keeps for later stages: its words for T3, its angle for T4.
   logic signed [31:0] u1_q, v1_q, u2_q, v2_q, u3_q, v3_q, cal_s1_q, cal_c1_q, cal_s, cal_c;

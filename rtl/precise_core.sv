@@ -8,7 +8,10 @@
 //   core_o               coprocessor_types.sv
 //   weights_o            valid in cycle 31 of T3 (or L1, L2)
 //   parameters_o         valid in cycle 31 of T4
-module precise_core (
+//   bad_copy_o           with a boundary: a bit of the registers' copies changed in the tick that ends
+module precise_core #(
+  parameter int Safety = 1
+) (
   input  logic               clk_i,
   input  logic               rst_ni,
   input  tick_t              tick_i,
@@ -25,9 +28,11 @@ module precise_core (
   input  weights_t           weights_i,
   input  parameters_t        parameters_i,
   input  logic        [31:0] relative_i,    // core_o.relative corrected, in cycle 31
+  input  logic               bad_parity_i,  // SAFETY.BAD_PARITY
   output core_t              core_o,
   output weights_t           weights_o,
-  output parameters_t        parameters_o
+  output parameters_t        parameters_o,
+  output logic               bad_copy_o
 );
 
   logic boundary, active;
@@ -44,7 +49,11 @@ module precise_core (
   logic turn, weight_valid, weight_saturated, replace;
   logic signed [47:0] weight;
   assign replace = weight_valid && (learning_i.update || learning_i.sum || |load);
-  weight_ring u_weight_ring (
+  logic bad_parity_q;
+  always_ff @(posedge clk_i) if (boundary) bad_parity_q <= bad_parity_i;
+  weight_ring #(
+    .Safety(Safety)
+  ) u_weight_ring (
     .clk_i,
     .boundary_i(boundary),
     .active_i  (active),
@@ -60,6 +69,8 @@ module precise_core (
     .weights_i,
     .replace_i (replace),
     .word_i    (weight),
+    .bad_parity_i(bad_parity_q && learning_i.update),
+    .bad_o     (bad_copy_o),
     .turn_o    (turn),
     .weights_o (ring)
   );

@@ -3,6 +3,7 @@
 //
 //   bad_parity_i  with boundary_i: a register does not fit its parity bit; bad_safety_i: SAFETY does not
 //   bad_node_i    with boundary_i: a node that T1 read does not fit its parity bit; bad_sum_i: a block's sum that T3 read
+//   bad_copy_i    with boundary_i: the stages' copy of a register changed in the tick that ends
 //   error_i       s32, Q1.31, with error_valid_i: an error of T3
 //   step_i        s30, 2^-30 turn, with the commit: from the angle of the sample before; 0 for the first one
 //   pending_i     with the commit: software has not taken the result before
@@ -18,6 +19,7 @@ module safety_monitor #(
   input  logic        bad_safety_i,
   input  logic        bad_node_i,
   input  logic        bad_sum_i,
+  input  logic        bad_copy_i,
   input  logic        error_valid_i,
   input  logic [31:0] error_i,
   input  logic [29:0] step_i,
@@ -54,7 +56,7 @@ module safety_monitor #(
   logic misfit3_q, misfit4_q;
   always_ff @(posedge clk_i) begin
     if (boundary_i) begin
-      bad_parity_q <= {bad_parity_q[3:0], 1'b0} | {5{bad_parity_i}} | bad_words;
+      bad_parity_q <= {bad_parity_q[3:0] | {4{bad_copy_i}}, 1'b0} | {5{bad_parity_i}} | bad_words;
       bad_safety_q <= {bad_safety_q[3:0], 1'b0} | {5{bad_safety_i}};
       misfit3_q <= 1'b0;
       misfit4_q <= misfit3_q;
@@ -64,7 +66,7 @@ module safety_monitor #(
   end
 
   // A flip in SAFETY may have switched the mechanism off.
-  assign findings_o = ((enables_q & {pending_i, |step_beyond, misfit4_q, bad_parity_q[4]}) | {3'd0, bad_safety_q[4]}) &
+  assign findings_o = ((enables_q & {pending_i, |step_beyond, misfit4_q, bad_parity_q[4] | bad_copy_i}) | {3'd0, bad_safety_q[4]}) &
                       {4{Present != 0}};
 
   logic unused_bits;

@@ -11,7 +11,12 @@
 // In a block the update is of the block's sums: from cycle 13 on they come into place 0, for the weights are not needed any more
 // in this tick.
 // A LOAD begins with the offset, << 15, in place of the constant that it makes, and makes the other two zero in the first turns.
-module weight_ring (
+//
+// Each place has a parity bit. A word that replaces one without the right bit gets the wrong bit, too, so that all that changed on
+// its way during the tick is seen at the tick's end: bad_o. With Safety = 0 it is 0.
+module weight_ring #(
+  parameter int Safety = 1
+) (
   input  logic        clk_i,
   input  logic        boundary_i,
   input  logic        active_i,       // a tick runs
@@ -27,6 +32,8 @@ module weight_ring (
   input  weights_t    weights_i,
   input  logic        replace_i,
   input  logic [47:0] word_i,
+  input  logic        bad_parity_i,   // words that replace one get the wrong bit
+  output logic        bad_o,          // with boundary_i
   output logic        turn_o,
   output weights_t    weights_o      // the places, each under the name of the weight that is at home there
 );
@@ -77,6 +84,25 @@ module weight_ring (
       place5_q <= replace_i ? word_i : place0_q;
     end
   end
+
+  // Bit i is of place i. The bit of a word that came into place 5 with the last turn is made in the cycle after.
+  logic [5:0] parity_q, parity, odd;
+  logic came_q, came_bad_q;
+  assign parity = {came_q ? ^place5_q ^ came_bad_q : parity_q[5], parity_q[4:0]};
+  always_ff @(posedge clk_i) begin
+    if (active_i) came_q <= turn && replace_i;
+    if (turn) came_bad_q <= bad_parity_i || (^place0_q ^ parity_q[0]);
+    if (boundary_i) begin
+      if (!keep_u_i) parity_q[2:0] <= {^start2, ^weights_i.bu, ^weights_i.au};
+      if (!keep_v_i) parity_q[5:3] <= {^start5, ^weights_i.bv, ^weights_i.av};
+    end else if (turn) begin
+      parity_q <= {parity_q[0], parity[5] && !zero, parity_q[4:2], take_sum ? ^sum_i : parity_q[1]};
+    end else if (active_i) begin
+      parity_q[5] <= parity[5];
+    end
+  end
+  assign odd = {^place5_q, ^place4_q, ^place3_q, ^place2_q, ^place1_q, ^place0_q};
+  assign bad_o = boundary_i && Safety != 0 && odd != parity;
 
   assign weights_o.au = place0_q;
   assign weights_o.bu = place1_q;

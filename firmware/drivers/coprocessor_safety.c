@@ -66,6 +66,13 @@ static bool test_parity(uint32_t on) {
   COPROCESSOR->SAFETY = on;
   if (sample(0, 0) != good) return false;
   COPROCESSOR->SAFETY = on;
+  if (sample(0, 0) != 0) return false;
+  // Coefficients on their way through the pipeline, of a sample that learns.
+  COPROCESSOR->CTRL = COPROCESSOR_CTRL_DEMOD_Msk;
+  COPROCESSOR->SAFETY = on | COPROCESSOR_SAFETY_BAD_PARITY_Msk;
+  if (sample(0, 0) != good) return false;
+  COPROCESSOR->CTRL = COPROCESSOR_CTRL_SRST_Msk;  // it has learnt
+  COPROCESSOR->SAFETY = on;
   return sample(0, 0) == 0;
 }
 

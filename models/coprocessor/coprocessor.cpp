@@ -204,7 +204,6 @@ void Coprocessor::start_tick(uint64_t unfit) {
     const LearningPlan plan =
         plan_learning(arch_.state.block, arch_.settings, learns, arch_.judge.last.flags);
     if (plan.from_sums && arch_.state.block.unfit != 0) pipe_[3].bad_parity = true;
-    pending_.sums_unfit = (arch_.safety & safety_bad_parity) != 0;
     datapath_.demodulation(pipe_[3], arch_.settings, arch_.state, plan, pending_.learning);
     pipe_[3].next_coefficients =
         plan.update || plan.sum ? pending_.learning.coefficients : Coefficients{};
@@ -214,7 +213,8 @@ void Coprocessor::start_tick(uint64_t unfit) {
                       !fits(pipe_[3].error_v, 32, error_limit(arch_.safety));
     pipe_[3].saturated_after[3] = pipe_[3].saturated;
   }
-  if (unfit != 0) {
+  pending_.bad_parity = (arch_.safety & safety_bad_parity) != 0;
+  if (unfit != 0 || marks_coefficients()) {
     for (unsigned stage = 0; stage < stage_count; ++stage) {
       if (!sequencer_.occupied(stage)) continue;
       pipe_[stage].bad_parity = true;
@@ -223,6 +223,10 @@ void Coprocessor::start_tick(uint64_t unfit) {
   }
   if (sequencer_.occupied(4)) start_results(pipe_[4]);
   if (const auto stage = sequencer_.load_stage()) start_load(*stage);
+}
+
+bool Coprocessor::marks_coefficients() const {
+  return pending_.bad_parity && sequencer_.occupied(3) && pending_.learning.update;
 }
 
 void Coprocessor::commit_tick() {
@@ -244,7 +248,7 @@ void Coprocessor::commit_tick() {
     BlockLearning& block = arch_.state.block;
     if (pending_.learning.sum) {
       block.sums = pending_.learning.coefficients;
-      block.unfit = pending_.sums_unfit ? BlockLearning::all_unfit : 0;
+      block.unfit = pending_.bad_parity ? BlockLearning::all_unfit : 0;
     }
     if (!block.begun) {
       block.sums = {};

@@ -51,7 +51,7 @@ class Coprocessor final : public Device {
     ReferenceState reference;
     bool steer_frequency = false;
     Learning learning;
-    bool sums_unfit = false;  // a block's sums are written with the wrong parity bits
+    bool bad_parity = false;  // SAFETY.BAD_PARITY: what the tick writes gets the wrong parity bits
     PolarResult polar;
     bool keep_parameters = false, calibrate = false, lock = false, diverged = false;
     TurnJudge judge;
@@ -67,6 +67,8 @@ class Coprocessor final : public Device {
   void commit_tick();
   // unfit: registers that do not fit their parity bit, before what the tick before has written.
   void start_tick(uint64_t unfit);
+  // The coefficients on their way through the tick get wrong parity bits.
+  bool marks_coefficients() const;
   void start_load(unsigned stage);
   void start_results(Packet& packet);
   void commit_load(unsigned stage);

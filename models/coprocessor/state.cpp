@@ -211,7 +211,7 @@ void Coprocessor::Pending::visit(Archive& archive) {
   archive("error_average", error_average);
   archive("load_rotation", load_rotation);
   archive("load_weights", load_weights);
-  archive("sums_unfit", sums_unfit);
+  archive("bad_parity", bad_parity);
 }
 
 void IdleState::visit(Archive& archive) {

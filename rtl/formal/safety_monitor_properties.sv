@@ -8,6 +8,7 @@ module safety_monitor_properties (
   input logic        bad_safety_i,
   input logic        bad_node_i,
   input logic        bad_sum_i,
+  input logic        bad_copy_i,
   input logic        error_valid_i,
   input logic signed [31:0] error_i,
   input logic signed [29:0] step_i,
@@ -16,7 +17,7 @@ module safety_monitor_properties (
 
   logic [3:0] findings;
   safety_monitor dut (
-    .clk_i, .boundary_i, .safety_i (word_i), .bad_parity_i, .bad_safety_i, .bad_node_i, .bad_sum_i, .error_valid_i, .error_i (error_i),
+    .clk_i, .boundary_i, .safety_i (word_i), .bad_parity_i, .bad_safety_i, .bad_node_i, .bad_sum_i, .bad_copy_i, .error_valid_i, .error_i (error_i),
     .step_i (step_i), .pending_i, .findings_o (findings)
   );
 
@@ -58,7 +59,7 @@ module safety_monitor_properties (
     end else if (followed && boundary_i) begin
       age        <= age + 3'd1;
       followed   <= age != 3'd4;
-      bad        <= bad || (bad_parity_i && age != 3'd4) || (bad_node_i && age == 3'd1) || (bad_sum_i && age == 3'd3);
+      bad        <= bad || bad_copy_i || (bad_parity_i && age != 3'd4) || (bad_node_i && age == 3'd1) || (bad_sum_i && age == 3'd3);
       bad_safety <= bad_safety || (bad_safety_i && age != 3'd4);
     end else if (followed && age == 3'd3 && error_valid_i) begin
       misfits    <= misfits || misfit;
@@ -85,7 +86,7 @@ module safety_monitor_properties (
       if (age < 3'd3) assert (!misfits);
       if (age == 3'd3) assert (\dut.misfit3_q == misfits);
       if (age == 3'd4) assert (\dut.misfit4_q == misfits);
-      if (age == 3'd4) assert (findings == ((enables & {pending_i, jump, misfits, bad}) | {3'd0, bad_safety}));
+      if (age == 3'd4) assert (findings == ((enables & {pending_i, jump, misfits, bad || bad_copy_i}) | {3'd0, bad_safety}));
     end
   end
 

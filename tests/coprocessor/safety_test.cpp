@@ -167,6 +167,24 @@ TEST_P(Safety, SoftwareTestsTheParityBitOfEachRegister) {
   }
 }
 
+// The bits of coefficients on their way, which are wrong only if T3 updates them.
+TEST_P(Safety, SoftwareTestsTheParityBitsOfCoefficientsOnTheirWay) {
+  calibrate(safety_parity);
+  bench_.write(reg_safety, safety_parity | safety_bad_parity);
+  EXPECT_EQ(next(), 0u);
+  bench_.write(reg_safety, safety_parity);
+  bench_.write(reg_safety, safety_parity);
+  bench_.write(reg_ctrl, calibrating | ctrl_demod);
+  EXPECT_EQ(next(), 0u);
+  bench_.write(reg_safety, safety_parity | safety_bad_parity);
+  EXPECT_EQ(next(), flag_parity);
+  EXPECT_FALSE(valid());
+  bench_.write(reg_safety, safety_parity);
+  bench_.write(reg_safety, safety_parity);
+  EXPECT_EQ(next(), 0u);
+  EXPECT_TRUE(valid());
+}
+
 TEST_P(Safety, RaisesItsOwnInterrupt) {
   calibrate(safety_jump | limits(0, 7));
   bench_.write(reg_ctrl, calibrating | ctrl_ie_safety);

@@ -137,8 +137,23 @@ class Checks(SafeCase):
                     said, _ = self.run_safe("--inject", fault, "-P", f"mechanisms={mechanisms}", settings=COPROCESSOR)
                     self.assertEqual(f"safe: fail: {sentence}" in said, mechanisms & found_by != 0, said)
 
+    def test_a_coefficient_on_its_way(self):
+        core = "rtl.u_datapath.g_{0}.u_core."
+        for arithmetic, place in (
+            ("precise", "u_weight_ring.place0_q[37]"),
+            ("precise", "u_weight_ring.parity_q[4]"),
+            ("paper", "weights_q[100]"),
+            ("paper", "parameters_q[89]"),
+        ):
+            with self.subTest(arithmetic=arithmetic, place=place):
+                fault = f"flip {core.format(arithmetic)}{place} at sample {SAMPLE} cycle 116"
+                words = ("--coprocessor", "rtl", "-C", f"coprocessor.arithmetic={arithmetic}", "--inject", fault)
+                said, _ = self.run_safe(*words, settings=COPROCESSOR)
+                self.assertIn("safe: fail: a register of the coprocessor has lost a bit", said)
+
     def test_the_start_finds_a_mechanism_that_does_not_work(self):
         monitor, settings = "rtl.u_datapath.u_safety_monitor.", "rtl.u_register_bank.u_settings."
+        ring = "rtl.u_datapath.g_precise.u_core.u_weight_ring."
         for fault, sentence in (
             (f"stuck0 {monitor}bad_parity_q[4]", "the test of the parity bits"),
             (f"stuck1 {monitor}bad_safety_q[4]", "the coprocessor has no safety mechanisms, or finds a fault"),
@@ -148,6 +163,7 @@ class Checks(SafeCase):
                 "stuck0 rtl.u_register_bank.u_state.u_bv.parity_q[0]",
                 "the coprocessor has no safety mechanisms, or finds a fault",
             ),
+            (f"stuck0 {ring}came_bad_q[0]", "the test of the parity bits"),
             (f"stuck0 {monitor}misfit3_q[0]", "the test of the limit of the error"),
             (f"stuck0 {monitor}error_limit_q[3]", "the test of the limit of the error"),
             (f"stuck0 {monitor}step_limit_q[0]", "the test of the limit of the step"),

@@ -86,7 +86,14 @@ class Coprocessor:
                 if sample is not None:
                     sample.bad_parity |= bool(unfit)
                     sample.bad_safety |= "SAFETY" in unfit
+                    sample.bad_parity |= self.marks_weights()
             yield at
+
+    def marks_weights(self):
+        """Whether T3's update has wrong parity bits, which is a finding of all samples of its tick."""
+        learner = self.stages[3]
+        updates = learner is not None and learner.next_weights is not None
+        return updates and bool(self.registers.safety & 1 << 8)
 
     def end_tick(self):
         if self.load_stage is not None:
