@@ -102,18 +102,20 @@ Evidence evidence_of(const Samples& samples, const DistanceFit& fit, double reso
     evidence.freedom = std::max(evidence.count / std::max(widening, 1.0) - 5, 1.0);
   }
   found.drift = sensor_drift_of(scores, seen, found.structure, covariance);
+  // A sensor that settles can look like noise that wanders.
+  const bool wanders = found.drift.found || found.correlation.slow > 0;
+  if (wanders) follow_drift(scores, seen, found.structure, found.drift);
   // What wanders slower than the shaft turns looks like a harmonic; as an amplitude it stays in the
   // bound.
-  if (found.drift.found || found.correlation.slow > 0) found.structure.found = false;
+  if (wanders) found.structure.found = false;
   if (!found.positions.scattered() && !found.structure.found)
     found.one_sided = one_sided(
         scores, memory_of_cubes(found.correlation) * std::max(found.positions.lack_of_fit, 1.0),
         fit.noise * CirclePlane(fit.parameters).largest_slope());
   evidence.structure = found.structure;
   evidence.coverage = found.coverage;
-  evidence.drift =
-      (found.drift.found ? found.drift.angle : 0) +
-      slow_reach * std::sqrt(found.correlation.slow) * CirclePlane(fit.parameters).largest_slope();
+  evidence.drift = found.drift.angle + slow_reach * std::sqrt(found.correlation.slow) *
+                                           CirclePlane(fit.parameters).largest_slope();
   return evidence;
 }
 
@@ -249,6 +251,13 @@ Intervals assess(const Samples& samples, const DistanceFit& fit, double resoluti
   }
   found.bound = bound_of(evidence);
   check_bound(options.gates.bound, found);
+  const bool wanders = found.drift.found || found.correlation.slow > 0;
+  if (wanders && !found.drift.followed) {
+    found.bound.reset();
+    found.warning =
+        "the sensor changes too much in too small a part of the record, so the record does not "
+        "show how far off the angle is; record when it has settled";
+  }
   return explained;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "base/constants.h"
 #include "identification/angle_change.h"
@@ -15,19 +16,23 @@ namespace {
 using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
 
-constexpr int shapes = 3;  ///< cos(pi j t), j = 1 .. shapes
-constexpr int trend_terms = shapes * ellipse_terms;
+constexpr int tested_shapes = 3;  ///< cos(pi j t), j = 1 .. tested_shapes
+constexpr int finest_shapes = 12;
+constexpr int trend_terms = tested_shapes * ellipse_terms;
 constexpr double fewest_samples_a_term = 6;
 /// A trend of which the terms without time take up all but this part is not looked at.
 constexpr double least_trend_share = 0.1;
 
 /// Sums over the blocks of the trends' terms.
 struct TrendSums {
-  Matrix information = Matrix::Zero(trend_terms, trend_terms);
-  Matrix mixed = Matrix::Zero(trend_terms, score_terms);
-  Matrix covariance = Matrix::Zero(trend_terms, trend_terms);
-  Matrix mixed_covariance = Matrix::Zero(trend_terms, score_terms);
-  Vector sum = Vector::Zero(trend_terms);
+  explicit TrendSums(int shapes)
+      : information(Matrix::Zero(shapes * ellipse_terms, shapes * ellipse_terms)),
+        mixed(Matrix::Zero(shapes * ellipse_terms, score_terms)),
+        covariance(information),
+        mixed_covariance(mixed),
+        sum(Vector::Zero(shapes * ellipse_terms)) {}
+  Matrix information, mixed, covariance, mixed_covariance;
+  Vector sum;
 };
 
 double trend_at(int shape, double time) {
@@ -36,8 +41,8 @@ double trend_at(int shape, double time) {
 
 /// inflation: the covariance of the sums of information A is (A R + R^T A)/2.
 TrendSums trend_sums_of(const Scores& scores, const ScoreVector& terms,
-                        const ScoreMatrix& inflation) {
-  TrendSums sums;
+                        const ScoreMatrix& inflation, int shapes) {
+  TrendSums sums(shapes);
   const auto blocks = static_cast<double>(scores.blocks.size());
   for (std::size_t b = 0; b < scores.blocks.size(); ++b) {
     const ScoreBlock& block = scores.blocks[b];
@@ -65,16 +70,37 @@ TrendSums trend_sums_of(const Scores& scores, const ScoreVector& terms,
   return sums;
 }
 
-/// By how much the parameters and the angle change with these trends.
-void measure(const Vector& trends, const Parameters& p, SensorDrift& drift) {
-  constexpr int times = 32;
+/// The trends that the sums tell, of which some combinations may be the terms' without time.
+struct Trends {
+  Matrix basis;    ///< of those that are not
+  Vector weights;  ///< their information
+  bool known() const { return weights.size() > 0; }
+  Vector of(const Vector& sum) const {
+    return basis * Vector((basis.transpose() * sum).cwiseQuotient(weights));
+  }
+};
+
+Trends trends_in(const TrendSums& sums, const ScoreMatrix& inverse) {
+  const SymmetricEigen eigen =
+      eigen_of_symmetric(Matrix(sums.information - sums.mixed * inverse * sums.mixed.transpose()));
+  if (!eigen.found) return {};
+  const double typical = sums.information.diagonal().mean();
+  const auto kept = static_cast<int>((eigen.values.array() > least_trend_share * typical).count());
+  return {eigen.vectors.rightCols(kept), eigen.values.tail(kept)};
+}
+
+/// By how much the parameters and the angle change with these trends about `mean`, which robust
+/// fits are not at.
+void measure(const Vector& trends, const Change& mean, const Parameters& p, SensorDrift& drift) {
+  constexpr int times = 64;
+  const auto shapes = static_cast<int>(trends.size() / ellipse_terms);
   const auto by = parameters_by_change(p);
   Eigen::Matrix<double, ellipse_terms, 1> least, largest;
   least.setConstant(HUGE_VAL);
   largest.setConstant(-HUGE_VAL);
   double angle = 0;
   for (int i = 0; i <= times; ++i) {
-    Change change = Change::Zero();
+    Change change = mean;
     for (int j = 0; j < shapes; ++j)
       change += trend_at(j, static_cast<double>(i) / times) *
                 trends.segment(j * ellipse_terms, ellipse_terms);
@@ -88,6 +114,18 @@ void measure(const Vector& trends, const Parameters& p, SensorDrift& drift) {
   drift.angle = angle;
 }
 
+/// The change as the first terms of its series tell it; none: the record is too short for them.
+std::optional<SensorDrift> departure(const Scores& scores, const DistanceFit& fit,
+                                     const Structure& structure, int shapes) {
+  if (scores.count < fewest_samples_a_term * shapes * ellipse_terms) return std::nullopt;
+  const TrendSums sums = trend_sums_of(scores, structure.terms, ScoreMatrix::Identity(), shapes);
+  const Trends trends = trends_in(sums, structure.inverse);
+  if (!trends.known()) return std::nullopt;
+  SensorDrift drift;
+  measure(trends.of(sums.sum), structure.terms.head<ellipse_terms>(), fit.parameters, drift);
+  return drift;
+}
+
 }  // namespace
 
 SensorDrift sensor_drift_of(const Scores& scores, const DistanceFit& fit,
@@ -99,29 +137,42 @@ SensorDrift sensor_drift_of(const Scores& scores, const DistanceFit& fit,
   const ScoreMatrix inflation = covariance == nullptr
                                     ? ScoreMatrix(variance * ScoreMatrix::Identity())
                                     : ScoreMatrix(inverse * *covariance);
-  const TrendSums sums = trend_sums_of(scores, structure.terms, inflation);
+  const TrendSums sums = trend_sums_of(scores, structure.terms, inflation, tested_shapes);
   const Matrix without = sums.mixed * inverse;
-  const Matrix information = sums.information - without * sums.mixed.transpose();
   const ScoreMatrix whole =
       covariance == nullptr ? ScoreMatrix(variance * scores.information) : *covariance;
   const Matrix crossed = without * sums.mixed_covariance.transpose();
   const Matrix of_sums =
       sums.covariance - crossed - crossed.transpose() + without * whole * without.transpose();
-  const SymmetricEigen eigen = eigen_of_symmetric(information);
-  if (!eigen.found) return drift;
-  const double typical = sums.information.diagonal().mean();
-  const auto kept = static_cast<int>((eigen.values.array() > least_trend_share * typical).count());
-  if (kept == 0) return drift;
-  const Matrix basis = eigen.vectors.rightCols(kept);
-  const Vector along = basis.transpose() * sums.sum;
-  const Matrix of_along = basis.transpose() * of_sums * basis;
+  const Trends trends = trends_in(sums, inverse);
+  if (!trends.known()) return drift;
+  const auto kept = static_cast<int>(trends.weights.size());
+  const Vector along = trends.basis.transpose() * sums.sum;
+  const Matrix of_along = trends.basis.transpose() * of_sums * trends.basis;
   const double squares = along.dot(Vector(solve_symmetric(of_along, along)));
   drift.probability = f_tail(squares / kept, kept, scores.count - score_terms - kept);
   drift.found = drift.probability < drift_false_alarms;
   if (!drift.found) return drift;
-  const Vector trends = basis * along.cwiseQuotient(eigen.values.tail(kept));
-  measure(trends, fit.parameters, drift);
+  measure(trends.of(sums.sum), structure.terms.head<ellipse_terms>(), fit.parameters, drift);
   return drift;
+}
+
+void follow_drift(const Scores& scores, const DistanceFit& fit, const Structure& structure,
+                  SensorDrift& drift) {
+  constexpr double most_rest = 0.2, noise_widths = 3;
+  const bool is_long = scores.count >= fewest_samples_a_term * finest_shapes * ellipse_terms;
+  const int shapes = is_long ? finest_shapes : 2 * tested_shapes;
+  const auto less = departure(scores, fit, structure, shapes / 2);
+  const auto more = departure(scores, fit, structure, shapes);
+  if (!less || !more) return;
+  // The series has no end. Of a smooth change the terms from a number to twice that number have
+  // half of the rest, so twice of what they add is allowed for.
+  const double rest = std::max(more->angle - less->angle, 0.0);
+  const double of_noise = noise_widths * fit.noise * CirclePlane(fit.parameters).largest_slope() *
+                          std::sqrt(shapes * ellipse_terms / scores.count);
+  drift.change = more->change;
+  drift.angle = std::max(drift.angle, more->angle + 2 * rest);
+  drift.followed = rest <= most_rest * less->angle + of_noise;
 }
 
 OneSided one_sided(const Scores& scores, double memory, double relative_noise) {

@@ -16,13 +16,20 @@ struct SensorDrift {
   double probability = 1;
   /// By how much each parameter changes (largest less smallest), in its unit.
   Parameters change;
-  double angle = 0;  ///< what half of that change does to the angle at most, radians
+  double angle = 0;  ///< what the sensor's departure from its mean does to the angle, radians
+  /// `angle` is the whole of it: more terms, up to cos(12 pi t), find hardly more. They do of a
+  /// change within a small part of the record.
+  bool followed = false;
 };
 
 /// F test of what the structure's terms leave. With `covariance`, that of the scores' sum, noise is
 /// not taken as independent.
 SensorDrift sensor_drift_of(const Scores& scores, const DistanceFit& fit,
                             const Structure& structure, const ScoreMatrix* covariance);
+
+/// Sets the drift's change, and its angle if that is larger now, and whether they are the whole.
+void follow_drift(const Scores& scores, const DistanceFit& fit, const Structure& structure,
+                  SensorDrift& drift);
 
 /// Noise that reaches farther to one side than to the other: outliers that lie within the noise.
 struct OneSided {

@@ -93,6 +93,37 @@ TEST(HardRecords, AnOffsetThatDriftsLeavesNoIntervals) {
   EXPECT_GT(found.bound->drift, 1e-3);
 }
 
+// The angle at the record's start is off by what the offset still has to change: the bound contains
+// that, or there is none.
+TEST(HardRecords, ASensorThatWarmsUpIsWithinItsBoundOrHasNone) {
+  int bounded = 0, refused = 0;
+  for (const double share : {0.05, 0.1, 0.2, 0.5, 1.0, 3.0})
+    for (const double size : {1e-3, 5e-3, 0.02})
+      for (const bool first : {true, false}) {
+        Samples samples =
+            taken_at(usual_sensor, 4000, 4e-4, 5, [](auto i) { return 2 * pi * 20.3 * i / 4000; });
+        Eigen::ArrayXd drift(4000);
+        for (Eigen::Index i = 0; i < 4000; ++i)
+          drift[i] = size * std::exp(-static_cast<double>(i) / (4000 * share));
+        if (!first) drift = drift.reverse().eval();
+        samples.u += drift;
+        const auto found = identify(samples).value();
+        if (found.rejected() || !found.bound) {
+          ++refused;
+          continue;
+        }
+        ++bounded;
+        const double left = std::max(std::abs(usual_sensor.b1 + drift[0] - found.parameters.b1),
+                                     std::abs(usual_sensor.b1 + drift[3999] - found.parameters.b1));
+        EXPECT_GT(found.bound->total, left / usual_sensor.a1)
+            << found.drift.found << found.drift.followed << " " << found.bound->drift << " p "
+            << found.drift.probability << " out " << found.outliers.size() << " offset of " << size
+            << " with a time constant of " << share << " records";
+      }
+  EXPECT_GT(bounded, 20);
+  EXPECT_GT(refused, 5);
+}
+
 TEST(HardRecords, OneSidedOutliersLeaveNoIntervals) {
   Samples samples =
       taken_at(usual_sensor, 1000, 4e-4, 5, [](auto i) { return 2 * pi * 20.3 * i / 1000; });

@@ -76,6 +76,13 @@ class Channels(Case):
         process = self.start(*self.command(channels=3)[1:])
         out, said = process.communicate(timeout=60)
         self.check_refused(process.returncode, out, said.decode(), "4 sensors", "3 channels")
+        for line, other in (("adc_bits = 24", "adc_bits = 12"), (f"rate_hz = {RATE}", "rate_hz = 250")):
+            text = description(1, SENSORS[1])
+            self.assertIn(line, text)
+            (self.folder / "1.toml").write_text(text.replace(line, other), encoding="utf-8")
+            process = self.start(*self.command()[1:])
+            out, said = process.communicate(timeout=60)
+            self.check_refused(process.returncode, out, said.decode(), "1.toml", "one converter takes both")
         text = output_of(CAPSOC, "run", FIRMWARE / "channels.elf", code=1)
         self.assertIn("no coprocessor with a channel for each sensor here", text)
 

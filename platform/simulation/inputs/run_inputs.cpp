@@ -52,6 +52,42 @@ std::optional<Error> taken_standard_input(const SensorSettings& settings,
   return std::nullopt;
 }
 
+/// One converter takes all sensors: with one rate and one resolution.
+std::optional<Error> other_converter(const RunInputs& inputs, bool any_bits,
+                                     const std::string& file, const sensor::Description& further) {
+  const sensor::Description& first = inputs.source->description();
+  if (first.sample_rate_hz && further.sample_rate_hz &&
+      *first.sample_rate_hz != *further.sample_rate_hz)
+    return Error{
+        fmt::format("{}: sampled at {} Hz, but {} at {} Hz, and one converter takes both; "
+                    "give sensors of one rate",
+                    file, *further.sample_rate_hz, inputs.sensor_file, *first.sample_rate_hz)};
+  if (!any_bits && further.adc_bits && *further.adc_bits != static_cast<int>(inputs.adc_bits))
+    return Error{
+        fmt::format("{}: adc_bits = {}, but {} bits with {}, and one converter takes both; "
+                    "say -C sensor.adc_bits=N for all",
+                    file, *further.adc_bits, inputs.adc_bits, inputs.sensor_file)};
+  return std::nullopt;
+}
+
+std::optional<Error> open_further_sensors(const SensorSettings& settings,
+                                          const sensor::RecordingOptions& recording,
+                                          RunInputs& inputs) {
+  for (const std::string& file : split(settings.further(), ',')) {
+    if (file.empty()) continue;
+    auto further = golden::open_trace(file, {}, recording);
+    if (!further) return Error{further.error()};
+    golden::Trace& trace = further.value();
+    const bool any_bits = settings.adc_bits() != 0;
+    if (auto error = other_converter(inputs, any_bits, file, trace.source->description()))
+      return error;
+    for (std::string& warning : golden::warnings_of(trace))
+      inputs.sensor_warnings.push_back(std::move(warning));
+    inputs.further_sensors.push_back({std::move(trace.source), file, trace.sha256});
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::string program_of(const FirmwareSettings& settings) {
@@ -104,13 +140,6 @@ Result<RunInputs> read_inputs(const FirmwareSettings& firmware, const SensorSett
   inputs.sensor_warnings = golden::warnings_of(trace.value());
   inputs.source = std::move(trace.value().source);
   inputs.sensor_sha256 = trace.value().sha256;
-  for (const std::string& file : split(sensor.further(), ',')) {
-    if (file.empty()) continue;
-    auto further = golden::open_trace(file, {}, recording.value());
-    if (!further) return Error{further.error()};
-    inputs.further_sensors.push_back(
-        {std::move(further.value().source), file, further.value().sha256});
-  }
   inputs.recorded_speed = metrics::recorded_speed(*inputs.source);
   inputs.alignment = metrics::recorded_alignment(*inputs.source);
   const long long adc_bits = sensor.adc_bits() != 0
@@ -119,6 +148,7 @@ Result<RunInputs> read_inputs(const FirmwareSettings& firmware, const SensorSett
   if (adc_bits < 12)
     return Error{fmt::format("sensor.adc_bits = {} is out of range; give 12 to 32", adc_bits)};
   inputs.adc_bits = static_cast<unsigned>(adc_bits);
+  if (auto error = open_further_sensors(sensor, recording.value(), inputs)) return *error;
 
   for (const std::string& place : places_to_load(firmware)) {
     auto further = loader::load_at(place);
