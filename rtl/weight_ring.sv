@@ -90,7 +90,7 @@ module weight_ring #(
   logic came_q, came_bad_q;
   assign parity = {came_q ? ^place5_q ^ came_bad_q : parity_q[5], parity_q[4:0]};
   always_ff @(posedge clk_i) begin
-    if (active_i) came_q <= turn && replace_i;
+    if (active_i || boundary_i) came_q <= turn && replace_i;
     if (turn) came_bad_q <= bad_parity_i || (^place0_q ^ parity_q[0]);
     if (boundary_i) begin
       if (!keep_u_i) parity_q[2:0] <= {^start2, ^weights_i.bu, ^weights_i.au};
