@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <iterator>
 
+#include "report/drawing.h"
 #include "report/number_text.h"
 
 namespace capsoc::report {
@@ -146,11 +147,12 @@ std::string html_of(const Figure& figure, const Data& data) {
       "<figure id=\"figure-{0}\" data-figure=\"{0}\"{1}>\n<h3>{2}</h3>\n"
       "<div class=\"plot\" tabindex=\"0\" role=\"slider\" aria-valuemin=\"0\" aria-valuemax=\"0\" "
       "aria-valuenow=\"0\" aria-valuetext=\"no point chosen\" aria-label=\"Plot: {2}; arrow keys "
-      "read its points, + and - zoom, 0 shows all\" aria-describedby=\"caption-{0}\"></div>\n"
+      "read its points, + and - zoom, 0 shows all\" aria-describedby=\"caption-{0}\">\n{5}</div>\n"
       "<p class=\"readout\" aria-hidden=\"true\"></p>\n{3}"
       "<figcaption id=\"caption-{0}\">{4}</figcaption>\n<div class=\"tools\"></div>\n</figure>\n",
       figure.name, figure.kind == Kind::points ? " class=\"square\"" : "",
-      escaped(title_of(figure, data)), legend, escaped(whole_caption(figure)));
+      escaped(title_of(figure, data)), legend, escaped(whole_caption(figure)),
+      Drawing(figure, data).plot());
 }
 
 namespace {

@@ -41,7 +41,7 @@ std::string preformatted(const std::string& name, const std::string& text);
 /// Side by side where there is room.
 std::string columns(const std::string& items);
 
-/// The place of a figure, with caption and legend; its data is elsewhere in the page.
+/// A figure with its plot, caption and legend; its data is elsewhere in the page.
 std::string html_of(const Figure& figure, const Data& data);
 
 /// The figure's data as the page's script reads it.

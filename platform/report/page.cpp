@@ -10,8 +10,7 @@
 
 namespace capsoc::report {
 
-// Embedded at build time: the plots' library as Debian has it, and our own script and style.
-extern const std::string_view dygraphs_script, dygraphs_style, dygraphs_licence;
+// Embedded at build time.
 extern const std::string_view page_script, page_style;
 
 namespace {
@@ -148,32 +147,29 @@ std::string Page::text() const {
   };
   std::string out;
   constexpr std::size_t rest = 65536;
-  out.reserve(body_.size() + data_.size() + dygraphs_script.size() + dygraphs_licence.size() +
-              rest);
+  out.reserve(body_.size() + data_.size() + page_script.size() + rest);
   out += "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n";
   // In addition to the escaping: no other script would run, and nothing is loaded from anywhere.
   out += fmt::format(
-      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src {} "
-      "{}; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'\">\n",
-      hash(dygraphs_script), hash(page_script));
+      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src {}; "
+      "style-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'\">\n",
+      hash(page_script));
   out += "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n";
   out += "<link rel=\"icon\" href=\"data:,\">\n";
   out += "<title>" + escaped(title_of(results_)) + "</title>\n<style>\n";
-  out.append(dygraphs_style).append("\n").append(page_style).append("</style>\n</head>\n");
+  out.append(page_style).append("</style>\n</head>\n");
   out += "<body>\n<a class=\"skip\" href=\"#main\">To the results</a>\n" +
          header_of(results_, comparison_);
   out += "<nav aria-label=\"Contents\">\n" + contents_of(contents_, sections_) + "</nav>\n";
   out += "<main id=\"main\">\n";
   out +=
-      "<noscript><p>The plots need a browser with JavaScript; tables and texts do not.</p>"
-      "</noscript>\n";
+      "<noscript><p>To zoom plots and to read values in them needs a browser with JavaScript; "
+      "plots, tables and texts do not.</p></noscript>\n";
   out.append(body_).append(
-      "</main>\n<footer>\n<details><summary>The plots are drawn by dygraphs; its "
-      "licence</summary>\n");
-  out += preformatted("Licence of dygraphs", std::string(dygraphs_licence));
-  out += "</details>\n</footer>\n<script type=\"application/json\" id=\"figures\">{";
-  out.append(data_).append("}</script>\n<script>").append(dygraphs_script);
-  out.append("</script>\n<script>").append(page_script).append("</script>\n</body>\n</html>\n");
+      "</main>\n<footer>\n<p>Made by capsoc. This page is one file and loads nothing.</p>\n");
+  out += "</footer>\n<script type=\"application/json\" id=\"figures\">{";
+  out.append(data_).append("}</script>\n<script>").append(page_script);
+  out.append("</script>\n</body>\n</html>\n");
   return out;
 }
 

@@ -13,7 +13,7 @@ namespace capsoc::report {
 
 /// One page of all results, side by side where they are of one command; of two of one command what
 /// differs comes first. The same results give the
-/// same bytes. No script runs in it but its own two, whatever the results hold.
+/// same bytes. No script runs in it but its own, whatever the results hold.
 std::string page_of(const std::vector<ResultFile>& results);
 
 /// What a command adds to the page: sections as HTML, with `figure_section(name)` where the

@@ -1,60 +1,131 @@
-// Draws the figures of a report, reads values out by mouse and by key, sorts tables.
-// What comes from a result is text here, never markup: textContent, or escaped where the plots' library wants markup.
+// Zooms the plots of a report, reads values out by mouse and by key, sorts tables.
+// The plots stand in the page as SVG (drawing.cpp). This is no second renderer: it makes no curve, colour, dash or axis. For another window it
+// gives the same paths and ticks other places, by the rule of scale.cpp and from the exact points. `tests/report` compares both, letter for letter.
+// What comes from a result is text here, never markup.
 "use strict";
 (() => {
   const figures = JSON.parse(document.getElementById("figures").textContent);
   const root = document.documentElement;
-  const escaped = (text) => text.replace(/[&<>"']/g, (c) => `&#${c.charCodeAt(0)};`);
   const short = (value) => String(Number(value.toPrecision(7)));
-  const tick = (value) => value !== 0 && Math.abs(value) < 1e-3 ? Number(value.toPrecision(3)).toExponential() : String(Number(value.toPrecision(5)));
-  // Whole decades where there are some: the library's own ticks of a logarithmic axis are any numbers.
-  function decades(least, greatest, pixels, ...rest) {
-    const [from, to] = [Math.ceil(Math.log10(least)), Math.floor(Math.log10(greatest))];
-    if (!(to - from >= 2)) return Dygraph.numericTicks(least, greatest, pixels, ...rest);
-    const step = Math.ceil((to - from) / Math.max(1, pixels / 30)), ticks = [];
-    for (let k = from; k <= to; k += step) ticks.push({ v: 10 ** k, label: escaped(tick(10 ** k)) });
-    return ticks;
-  }
-  const colour = (name) => getComputedStyle(root).getPropertyValue(name).trim();
-  const line = (s, i) => colour(`--line-${s.colour ?? (i % 6) + 1}`);
-  const dashes = [null, [7, 4], [2, 4]];  // tell lines of one colour apart
-  const colours = (figure) => figure.series.map(line)
-    .concat(figure.marks.map(() => colour("--mark")));
 
-  // The lines that are drawn: those of the data, then the marks from one end to the other.
-  function lines(figure) {
-    let least = Infinity, greatest = -Infinity;
-    for (const s of figure.series)
-      for (const x of s.x) { least = Math.min(least, x); greatest = Math.max(greatest, x); }
-    const level = (mark) => ({ name: mark.label, x: least < greatest ? [least, greatest] : [least], y: [mark.at, mark.at] });
-    return figure.series.concat(figure.marks.map(level));
+  // Six digits; an exponent below 1e-4 and from 1e6 on.
+  function tick(value) {
+    if (value === 0) return "0";
+    const [digits, exponent] = value.toExponential(5).split("e").map(Number);
+    return exponent < -4 || exponent >= 6 ? `${digits}e${exponent}` : String(Number(value.toPrecision(6)));
   }
 
-  // One row for each x. A point that a line does not have is null, which is joined over; a gap is not.
-  function rows(figure, log) {
-    const all = lines(figure), many = all.length;
-    const value = (s, k, lane) => {
-      if (s.y[k] === null) return NaN;
-      if (figure.kind === "lanes") return lane + 0.8 * s.y[k];
-      return log ? (s.y[k] === 0 ? null : Math.abs(s.y[k])) : s.y[k];
-    };
-    const table = [], at = new Map();
-    all.forEach((s, i) => s.x.forEach((x, k) => {
-      let row = figure.kind === "points" ? undefined : at.get(x);
-      if (row === undefined) {
-        row = [x, ...Array(many).fill(null)];
-        at.set(x, row);
-        table.push(row);
+  class Scale {
+    constructor(log) { Object.assign(this, { log, least: Infinity, greatest: -Infinity }); }
+    holds(value) { return Number.isFinite(value) && (!this.log || value !== 0); }
+    shown(value) { return this.log ? Math.log10(Math.abs(value)) : value; }
+    value(shown) { return this.log ? 10 ** shown : shown; }
+    take(value) {
+      if (!this.holds(value)) return;
+      this.least = Math.min(this.least, this.shown(value));
+      this.greatest = Math.max(this.greatest, this.shown(value));
+    }
+    close(margin, from_zero = false) {
+      if (!(this.least <= this.greatest)) [this.least, this.greatest] = [0, 1];
+      const at_zero = from_zero && this.least >= 0, middle = this.greatest / 2 + this.least / 2;
+      let half = this.greatest / 2 - this.least / 2;
+      if (half === 0) half = Math.max(Math.abs(this.least) / 10, 1e-300);
+      half = Math.min(half * (1 + margin), Number.MAX_VALUE / 4);
+      [this.least, this.greatest] = [at_zero ? 0 : middle - half, middle + half];
+      return this;
+    }
+    part_of_shown(shown) {
+      const part = (shown / 2 - this.least / 2) / (this.greatest / 2 - this.least / 2);
+      return Math.min(Math.max(Number.isFinite(part) ? part : 0, -1000), 1000);
+    }
+    part(value) { return this.part_of_shown(this.shown(value)); }
+    at(part) { return this.value(2 * (this.least / 2 + part * (this.greatest / 2 - this.least / 2))); }
+    between(from, to) {
+      const made = new Scale(this.log), [a, b] = [this.shown(from), this.shown(to)];
+      return Object.assign(made, { least: Math.min(a, b), greatest: Math.max(a, b) });
+    }
+    ticks() {
+      const range = this.greatest - this.least, all = [];
+      if (this.log && range >= 2 && Number.isFinite(range)) {
+        const step = Math.max(1, Math.ceil(range / 8));
+        for (let at = Math.ceil(this.least / step) * step; at <= this.greatest; at += step) all.push({ part: this.part_of_shown(at), label: `1e${at}` });
+        return all;
       }
-      row[i + 1] = value(s, k, i);
-    }));
-    if (table.length === 0) table.push([figure.wide?.[0] ? 1 : 0, ...Array(many).fill(null)]);  // the library draws no empty table
-    return table.sort((a, b) => a[0] - b[0]);
+      const [least, greatest] = [this.value(this.least), this.value(this.greatest)], wide = greatest - least;
+      if (!(wide > 0) || !Number.isFinite(wide)) return all;
+      let step = Number(`1e${Math.floor(Math.log10(wide / 5))}`);
+      for (const factor of [2, 2.5, 2]) if (wide / step > 8) step *= factor;
+      if (!(step > 0)) return all;
+      const first = Math.ceil(least / step);
+      for (let i = 0; i < 12 && (first + i) * step <= greatest; ++i) {
+        const at = Math.abs((first + i) * step) < step * 1e-6 ? 0 : (first + i) * step;
+        if (this.holds(at)) all.push({ part: this.part(at), label: tick(at) });
+      }
+      return all;
+    }
   }
 
-  const name_of_x = (figure, x) => figure.kind === "bars" ? figure.labels[Math.round(x)] ?? short(x) : `${figure.x} ${short(x)}`;
+  const level = (figure, number, value) => value === null ? NaN : figure.kind === "lanes" ? number + 0.8 * value : value;
+  const number = (value) => value ?? NaN;
+
+  // The whole plot: all points and marks.
+  function whole(figure, log) {
+    const x = new Scale(figure.wide?.[0] ?? false), y = new Scale(log), bars = figure.kind === "bars", points = figure.kind === "points";
+    figure.series.forEach((s, i) => {
+      s.x.forEach((value) => x.take(number(value)));
+      s.y.forEach((value) => y.take(level(figure, i, value)));
+      for (const values of [s.low ?? [], s.high ?? []]) values.forEach((value) => y.take(number(value)));
+    });
+    figure.marks.forEach((mark) => y.take(mark.at));
+    if (bars) [-0.5, figure.labels.length - 0.5].forEach((value) => x.take(value));
+    if (bars) y.take(0);
+    return { x: x.close(points ? 0.05 : 0), y: y.close(0.05, bars && !log) };
+  }
+
+  // What the points of a window, and the lines that enter it, take of the other axis.
+  function fitted(figure, x, log) {
+    const y = new Scale(log), bars = figure.kind === "bars";
+    figure.series.forEach((s, i) => s.x.forEach((at, k) => {
+      const inside = (j) => { const part = j < s.x.length && j >= 0 ? x.part(number(s.x[j])) : -1; return part >= 0 && part <= 1; };
+      if (inside(k) || (!bars && figure.kind !== "points" && inside(k - 1)) || (!bars && figure.kind !== "points" && inside(k + 1))) [s.y[k], s.low?.[k], s.high?.[k]].forEach((value) => y.take(level(figure, i, value ?? null)));
+    }));
+    if (bars) y.take(0);
+    return y.least <= y.greatest ? y.close(0.05, bars && !log) : null;
+  }
+
+  // The places of a series' points, as a path's data: for a bar's spread, too.
+  function places(figure, i, { x, y }, wide, high) {
+    const s = figure.series[i], across = (value) => Math.floor(x.part(value) * wide + 0.5), up = (value) => Math.floor((1 - y.part(value)) * high + 0.5);
+    const pair = (command, a, b) => `${command}${a}${b < 0 ? "" : " "}${b}`;
+    const steps = figure.kind === "steps" || figure.kind === "lanes", lone = s.x.length === 1;
+    if (figure.kind === "bars") {
+      const room = (x.part(1) - x.part(0)) * wide, each = 0.8 * room / figure.series.length, zero = y.log ? high : Math.min(Math.max(up(0), 0), high);
+      const left = (k) => x.part(s.x[k]) * wide - 0.4 * room, thick = Math.max(Math.floor(each - 10 + 0.5), 5), known = s.x.map((_, k) => k).filter((k) => s.x[k] !== null);
+      const spread = (k) => s.low && y.holds(number(s.low[k])) && y.holds(number(s.high[k]));
+      return [known.filter((k) => y.holds(number(s.y[k]))).map((k) => `M${Math.floor(left(k) + i * each + 0.5)} ${zero}V${up(s.y[k])}h${thick}V${zero}z`).join(""),
+        known.filter(spread).map((k) => `M${Math.floor(left(k) + (i + 0.5) * each + 0.5)} ${up(s.low[k])}V${up(s.high[k])}`).join("")];
+    }
+    const out = [];
+    let down = false, last = [0, 0];
+    s.x.forEach((at, k) => {
+      const value = level(figure, i, s.y[k]);
+      if (!y.holds(value) || !x.holds(number(at))) {
+        down = down && y.log && s.y[k] === 0;
+        return;
+      }
+      const [a, b] = [across(at), up(value)], by = [a - last[0], b - last[1]];
+      if (figure.kind === "points") out.push(pair("M", a, b), "h0");
+      else if (!down) out.push(pair("M", a, b));
+      else out.push(steps ? `h${by[0]}v${by[1]}` : pair("l", ...by));
+      last = [a, b];
+      down = true;
+    });
+    if (lone && down && figure.kind !== "points") out.push("h0");
+    return [out.join("")];
+  }
 
   // What each line has nearest to x.
+  const name_of_x = (figure, x) => figure.kind === "bars" ? figure.labels[Math.round(x)] ?? short(x) : `${figure.x} ${short(x)}`;
   function values_at(figure, x) {
     const parts = lines(figure).filter((s) => s.x.length > 0).map((s) => {
       let best = 0;
@@ -64,63 +135,19 @@
     return `${name_of_x(figure, x)}; ${parts.join("; ")}`;
   }
 
-  function bars(event, figure) {
-    if (event.seriesIndex !== 0) return;
-    const context = event.drawingContext, area = event.plotArea, plot = event.dygraph;
-    const log = plot.getOption("logscale");
-    const bottom = area.y + area.h;
-    const zero = log ? bottom : Math.min(bottom, Math.max(area.y, plot.toDomYCoord(0)));
-    const room = plot.toDomXCoord(1) - plot.toDomXCoord(0), many = figure.series.length, width = 0.8 * room / many;
-    figure.series.forEach((s, i) => {
-      context.fillStyle = context.strokeStyle = line(s, i);
-      s.x.forEach((x, k) => {
-        if (s.y[k] === null || (log && s.y[k] === 0)) return;
-        const left = plot.toDomXCoord(x) - 0.4 * room + i * width;
-        const top = plot.toDomYCoord(log ? Math.abs(s.y[k]) : s.y[k]);
-        context.globalAlpha = s.low || s.variant ? 0.5 : 1;
-        context.fillRect(left, Math.min(top, zero), Math.max(width - 1, 1), Math.abs(zero - top));
-        context.globalAlpha = 1;
-        if (s.low) context.fillRect(left + width / 2 - 1, plot.toDomYCoord(s.high[k]), 2,
-          Math.max(1, plot.toDomYCoord(s.low[k]) - plot.toDomYCoord(s.high[k])));
-      });
-    });
-    context.fillStyle = colour("--mark");
-    for (const mark of figure.marks) context.fillRect(area.x, plot.toDomYCoord(mark.at) - 1, area.w, 2);
+  // The data, then the marks from one end to the other.
+  function lines(figure) {
+    let least = Infinity, greatest = -Infinity;
+    for (const s of figure.series)
+      for (const x of s.x) { least = Math.min(least, x); greatest = Math.max(greatest, x); }
+    const line = (mark) => ({ name: mark.label, x: least < greatest ? [least, greatest] : [least], y: [mark.at, mark.at] });
+    return figure.series.concat(figure.marks.map(line));
   }
 
-  function options(figure, log) {
-    const all = lines(figure), many = figure.series.length;
-    const o = {
-      labels: [figure.x, ...all.map((s, i) => `${i}`)],
-      legend: "never", connectSeparatedPoints: true, logscale: log, colors: colours(figure),
-      gridLineColor: colour("--grid"), axisLineColor: colour("--grid"), xlabel: escaped(figure.x),
-      ylabel: escaped((log && figure.kind !== "bars" && !figure.columns ? "|y| of: " : "") + figure.y), axisLabelFontSize: 12, xLabelHeight: 18, yLabelWidth: 18,
-      axes: { x: { axisLabelFormatter: tick }, y: { axisLabelFormatter: tick, axisLabelWidth: 56 } },
-      strokeWidth: 1.2, highlightCircleSize: 4, rightGap: 12, series: {},
-    };
-    o.axes.y.ticker = log ? decades : Dygraph.numericTicks;
-    if (figure.wide) Object.assign(o.axes.x, { logscale: figure.wide[0], ticker: figure.wide[0] ? decades : Dygraph.numericTicks });
-    figure.series.forEach((s, i) => { if (s.variant) o.series[`${i}`] = { strokePattern: dashes[s.variant % 3] }; });
-    all.forEach((_, i) => { if (i >= many) o.series[`${i}`] = { strokePattern: [6, 4], strokeWidth: 1.5 }; });
-    if (figure.kind === "points") Object.assign(o, { drawPoints: true, strokeWidth: 0, pointSize: 1.3, highlightSeriesOpts: {} });
-    if (figure.kind === "lanes") {
-      Object.assign(o, { stepPlot: true, fillGraph: false, valueRange: [-0.2, many] });
-      o.axes.y.ticker = () => figure.series.map((s, i) => ({ v: i + 0.4, label: escaped(s.name) }));
-      o.axes.y.axisLabelWidth = 92;
-    }
-    if (figure.kind === "steps") o.stepPlot = true;
-    if (figure.kind === "bars") {
-      Object.assign(o, { plotter: (event) => bars(event, figure), dateWindow: [-0.6, figure.labels.length - 0.4], includeZero: !log });
-      if (figure.series.some((s) => s.high) && !log)
-        o.valueRange = [0, 1.05 * Math.max(...figure.series.flatMap((s) => s.high ?? s.y), ...figure.marks.map((m) => m.at))];
-      const room = Math.max(40, Math.min(150, 8 + 7 * Math.max(...figure.labels.map((label) => label.length))));
-      o.axes.x.axisLabelWidth = room;
-      o.axes.x.ticker = (a, b, pixels) => {
-        const step = Math.ceil(figure.labels.length * room / pixels);
-        return figure.labels.flatMap((label, v) => v % step === 0 ? [{ v, label: escaped(label) }] : []);
-      };
-    }
-    return o;
+  // What keys go through: each x once, or each point of a cloud.
+  function stops(figure) {
+    if (figure.kind !== "points") return [...new Set(lines(figure).flatMap((s) => s.x))].sort((a, b) => a - b).map((x) => ({ x }));
+    return figure.series.flatMap((s) => s.x.map((x, k) => ({ x, y: s.y[k], name: s.name }))).filter((p) => p.x !== null && p.y !== null).sort((a, b) => a.x - b.x);
   }
 
   function csv(figure) {
@@ -135,14 +162,6 @@
     made.textContent = text;
     for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
     return made;
-  }
-
-  const drawn = [];  // what is done again in other colours
-
-  function between(from, to, part) {
-    const parts = (name) => [1, 3, 5].map((at) => parseInt(colour(name).replace(/^#(.)(.)(.)$/, "#$1$1$2$2$3$3").slice(at, at + 2), 16));
-    const [a, b] = [parts(from), parts(to)];
-    return `rgb(${a.map((value, k) => Math.round(value + part * (b[k] - value))).join(" ")})`;
   }
 
   const spans_decades = (column) => {
@@ -217,78 +236,167 @@
         for (const cell of line) {
           const mean = cell.sum / cell.runs, made = element("td", cell.runs > 0 ? `${Number(mean.toPrecision(3))} (${cell.runs})` : "", { class: "n" });
           const part = greatest > least ? (mean - least) / (greatest - least) : 1;
-          if (cell.runs > 0) made.style.background = between("--back", "--line-1", 0.05 + 0.3 * part);
+          if (cell.runs > 0) made.style.background = `color-mix(in srgb, var(--line-1) ${Math.round(100 * (0.05 + 0.3 * part))}%, var(--back))`;
           row.append(made);
         }
       });
       place.replaceChildren(table);
     }
     fill();
-    drawn.push(fill);
   }
 
-  function draw(box) {
-    if (box.plot) return;
+  const namespace = "http://www.w3.org/2000/svg";
+  function shape(kind, attributes, text = "") {
+    const made = document.createElementNS(namespace, kind);
+    for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
+    made.textContent = text;
+    return made;
+  }
+
+  function live(box) {
     const figure = figures[box.dataset.figure];
     if (figure.columns) choose(figure, ...figure.choice);
-    let log = figure.wide ? figure.wide[1] : figure.log, table = rows(figure, log), row = -1;
-    const place = box.querySelector(".plot"), readout = box.querySelector(".readout");
-    const plot = box.plot = new Dygraph(place, table, {
-      ...options(figure, log),
-      highlightCallback: (event, x, points, at, name) => {
-        row = at;
-        const one = figure.kind === "points" && points.find((p) => p.name === name);
-        say(one ? `${lines(figure)[Number(name)].name}: ${figure.x} ${short(one.xval)}, ${figure.y} ${short(one.yval)}` : values_at(figure, x));
-      },
-    });
-    function say(text) {
+    let log = figure.wide ? figure.wide[1] : figure.log, window = whole(figure, log), points = stops(figure), row = -1;
+    const place = box.querySelector(".plot"), readout = box.querySelector(".readout"), svg = place.firstElementChild, area = svg.querySelector(".area");
+    const [left, top, width, height] = ["x", "y", "width", "height"].map((key) => area[key].baseVal.value), floor = top + height;
+    const ticks = svg.querySelector(".ticks"), overlay = svg.appendChild(shape("g", { class: "overlay" }));
+    const curves = [...area.querySelectorAll(".curve")], spreads = figure.series.map((_, i) => curves[i].nextElementSibling).map((e) => e?.classList.contains("spread") ? e : null);
+    const marks = [...area.querySelectorAll(".mark")], fixed = (value) => value.toFixed(1);
+
+    // Moves curves, marks and ticks to where they are in the window.
+    function show() {
+      curves.forEach((curve, i) => {
+        const [d, spread] = places(figure, i, window, width * 10, height * 10);
+        curve.setAttribute("d", d);
+        spreads[i]?.setAttribute("d", spread);
+      });
+      marks.forEach((mark, i) => mark.setAttribute("d", window.y.holds(figure.marks[i].at) ? `M0 ${Math.floor((1 - window.y.part(figure.marks[i].at)) * height * 10 + 0.5)}H${width * 10}` : ""));
+      const made = [], line = (x1, y1, x2, y2) => made.push(shape("line", { x1: fixed(x1), y1: fixed(y1), x2: fixed(x2), y2: fixed(y2), class: "grid", stroke: "#d0d7de" }));
+      const text = (x, y, words, more) => made.push(shape("text", { x: fixed(x), y: fixed(y), ...more }, words));
+      if (figure.kind === "lanes") made.push(...[...ticks.querySelectorAll("text")].slice(0, figure.series.length));
+      else for (const { part, label } of window.y.ticks()) {
+        line(left, floor - part * height, left + width, floor - part * height);
+        text(left - 6, floor - part * height + 4, label, { "text-anchor": "end" });
+      }
+      if (figure.kind === "bars") bar_labels(text);
+      else for (const { part, label } of window.x.ticks()) {
+        line(left + part * width, top, left + part * width, floor);
+        text(left + part * width, floor + 16, label, { "text-anchor": "middle" });
+      }
+      ticks.replaceChildren(...made);
+      mark_row();
+    }
+    function bar_labels(text) {
+      const longest = Math.max(...figure.labels.map((label) => Math.min([...label].length, 18)), 0), from = Math.max(0, Math.ceil(window.x.at(0)));
+      const shown = figure.labels.map((_, i) => i).filter((i) => i >= from && window.x.part(i) <= 1);
+      const step = Math.floor(shown.length / (width / (6 * (longest + 2)))) + 1;
+      for (let i = from; i < from + shown.length; i += step)
+        text(left + window.x.part(i) * width, floor + 16, [...figure.labels[i]].slice(0, 18).join(""), { "text-anchor": "middle", "font-size": "10" });
+    }
+    // The line and the points that are read.
+    function mark_row() {
+      const stop = points[row], made = [];
+      const circle = (x, y, i) => { if (window.y.holds(y) && window.x.part(x) >= 0 && window.x.part(x) <= 1 && window.y.part(y) >= 0 && window.y.part(y) <= 1) made.push(shape("circle", { cx: fixed(left + window.x.part(x) * width), cy: fixed(floor - window.y.part(y) * height), r: 4, class: curves[i]?.classList[1] ?? "" })); };
+      if (stop && figure.kind === "points") circle(stop.x, stop.y, figure.series.findIndex((s) => s.name === stop.name));
+      else if (stop && figure.kind !== "bars") figure.series.forEach((s, i) => { const k = s.x.indexOf(stop.x); if (k >= 0) circle(stop.x, level(figure, i, s.y[k]), i); });
+      if (stop && figure.kind !== "points" && window.x.part(stop.x) >= 0 && window.x.part(stop.x) <= 1) {
+        const x = fixed(left + window.x.part(stop.x) * width);
+        made.unshift(shape("line", { x1: x, y1: top, x2: x, y2: floor }));
+      }
+      overlay.replaceChildren(...made);
+    }
+    function select(to) {
+      if (points.length === 0) return;
+      row = Math.max(0, Math.min(points.length - 1, to));
+      const stop = points[row], text = stop.name === undefined ? values_at(figure, stop.x) : `${stop.name}: ${figure.x} ${short(stop.x)}, ${figure.y} ${short(stop.y)}`;
       readout.textContent = text;
       place.setAttribute("aria-valuetext", text);
       place.setAttribute("aria-valuenow", row);
+      mark_row();
     }
-    function select(to) {
-      row = Math.max(0, Math.min(table.length - 1, to));
-      plot.setSelection(row);
-      say(values_at(figure, table[row][0]));
-    }
+    const go = (x, y) => { window = { x, y: y ?? fitted(figure, x, log) ?? window.y }; show(); };
+    const reset = () => { window = whole(figure, log); show(); };
     function zoom(by) {
-      const [left, right] = plot.xAxisRange(), middle = row < 0 ? (left + right) / 2 : table[row][0];
-      plot.updateOptions({ dateWindow: [middle - by * (middle - left), middle + by * (right - middle)] });
+      const middle = row < 0 ? 0.5 : window.x.part(points[row].x);
+      go(window.x.between(window.x.at(middle - by * middle), window.x.at(middle + by * (1 - middle))), figure.kind === "lanes" || figure.kind === "points" ? window.y : null);
     }
-    const reset = () => plot.updateOptions({ dateWindow: options(figure, log).dateWindow ?? null, valueRange: options(figure, log).valueRange ?? null });
-    const page = Math.max(1, Math.round(table.length / 20));
+    const page = () => Math.max(1, Math.round(points.length / 20));
     const keys = {
-      ArrowRight: () => select(row + 1), ArrowLeft: () => select(row - 1), PageDown: () => select(row + page), PageUp: () => select(row - page),
-      Home: () => select(0), End: () => select(table.length - 1), "+": () => zoom(0.5), "-": () => zoom(2), "0": reset, Escape: reset,
+      ArrowRight: () => select(row + 1), ArrowLeft: () => select(row - 1), PageDown: () => select(row + page()), PageUp: () => select(row - page()),
+      Home: () => select(0), End: () => select(points.length - 1), "+": () => zoom(0.5), "-": () => zoom(2), "0": reset, Escape: reset,
     };
     place.addEventListener("keydown", (event) => {
       if (!keys[event.key] || event.ctrlKey || event.altKey || event.metaKey) return;
       event.preventDefault();
       keys[event.key]();
     });
-    place.setAttribute("aria-valuemax", table.length - 1);
+    const size = () => { place.setAttribute("aria-valuemax", Math.max(0, points.length - 1)); };
+    size();
+
+    // By mouse: parts of the area, from its left lower corner.
+    const spot = (event) => {
+      const b = area.getBoundingClientRect(), inverse = svg.getScreenCTM().inverse(), p = new DOMPoint(event.clientX, event.clientY).matrixTransform(inverse);
+      return b.width > 0 ? [(p.x - left) / width, (floor - p.y) / height] : [0, 0];
+    };
+    const clamped = (part) => Math.min(1, Math.max(0, part));
+    let start = null;
+    const dragged = (at) => Math.abs(at[0] - start[0]) * width >= Math.abs(at[1] - start[1]) * height ? 0 : 1;
+    function nearest([across, up]) {
+      const far = (p) => p.name === undefined ? Math.abs(window.x.part(p.x) - across) : Math.hypot(window.x.part(p.x) - across, window.y.part(p.y) - up);
+      let best = 0;
+      points.forEach((p, i) => { if (far(p) < far(points[best])) best = i; });
+      return best;
+    }
+    place.addEventListener("pointermove", (event) => {
+      const at = spot(event);
+      if (start === null) return select(nearest(at));
+      const axis = dragged(at), [a, b] = [start[axis], at[axis]].map(clamped).sort((one, other) => one - other);
+      overlay.replaceChildren(shape("rect", axis === 0 ? { x: left + a * width, y: top, width: (b - a) * width, height } : { x: left, y: floor - b * height, width, height: (b - a) * height }));
+    });
+    place.addEventListener("pointerdown", (event) => {
+      if (event.button !== 0 || event.pointerType === "touch") return;
+      start = spot(event);
+      place.setPointerCapture(event.pointerId);
+    });
+    place.addEventListener("pointerup", (event) => {
+      if (start === null) return;
+      const at = spot(event), axis = dragged(at), [a, b] = [start[axis], at[axis]].map(clamped).sort((one, other) => one - other);
+      start = null;
+      if ((b - a) * (axis === 0 ? width : height) < 4) return mark_row();
+      if (axis === 0) go(window.x.between(window.x.at(a), window.x.at(b)), figure.kind === "lanes" || figure.kind === "points" ? window.y : null);
+      else go(window.x, window.y.between(window.y.at(a), window.y.at(b)));
+    });
+    place.addEventListener("pointercancel", () => { start = null; mark_row(); });
+    place.addEventListener("dblclick", reset);
+
     const tools = box.querySelector(".tools");
     const button = (text, name, act) => tools.appendChild(element("button", text, { type: "button", "aria-label": `${name}: ${figure.title}` })).addEventListener("click", act);
     button("Whole", "Show the whole plot", reset);
+    const name_axes = () => {
+      svg.querySelector(".x-name").textContent = figure.x;
+      svg.querySelector(".y-name").textContent = (log && figure.kind !== "bars" && !figure.columns ? "|y| of: " : "") + figure.y;
+    };
     if (figure.kind !== "lanes" && figure.kind !== "points")
       button(log ? "Linear" : "Log", "Switch the logarithmic axis", (event) => {
         log = !log;
-        table = rows(figure, log);
         event.target.textContent = log ? "Linear" : "Log";
-        plot.updateOptions({ ...options(figure, log), file: table });
+        name_axes();
+        reset();
       });
     const choosing = (label, at) => tools.append(chooser(label, figure.columns.map((column) => column.name), figure.choice[at], (value) => {
       choose(figure, ...figure.choice.map((old, k) => k === at ? value : old));
       log = figure.wide[1];
-      table = rows(figure, log);
-      place.setAttribute("aria-valuemax", table.length - 1);
+      points = stops(figure);
       row = -1;
-      plot.updateOptions({ ...options(figure, log), dateWindow: null, file: table });
+      size();
+      name_axes();
+      reset();
     }));
     if (figure.columns) ["Across", "up"].forEach(choosing);
     const link = tools.appendChild(element("a", "CSV", { href: `#${box.id}`, download: `${box.dataset.figure}.csv`, "aria-label": `Data as CSV: ${figure.title}` }));
     link.addEventListener("click", () => { link.href = "data:text/csv;charset=utf-8," + encodeURIComponent(csv(figure)); });
-    drawn.push(() => plot.updateOptions({ colors: colours(figure), gridLineColor: colour("--grid"), axisLineColor: colour("--grid") }));
+    // What a test asks.
+    box.plot = { stops: () => points.length, x: () => [window.x.at(0), window.x.at(1)], y: () => [window.y.at(0), window.y.at(1)], log: () => [window.x.log, window.y.log], reset };
   }
 
   function sortable(table) {
@@ -310,18 +418,8 @@
     });
   }
 
-  // At once: whoever prints the page or takes a picture of it does not wait.
-  const boxes = [...document.querySelectorAll("figure[data-figure]")];
-  boxes.forEach(draw);
+  [...document.querySelectorAll("figure[data-figure]")].forEach(live);
   document.querySelectorAll("table.sortable").forEach(sortable);
   document.querySelectorAll(".heat").forEach(heat);
-
-  const recolour = () => drawn.forEach((each) => each());
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", recolour);
-  // On paper a plot is scaled to the sheet: one that gets another size there is printed empty.
-  const fit = () => boxes.forEach((box) => box.querySelector(".plot").style.setProperty("--drawn", box.plot.size().width));
-  fit();
-  addEventListener("beforeprint", () => { root.dataset.print = ""; fit(); recolour(); });
-  addEventListener("afterprint", () => { delete root.dataset.print; recolour(); });
   root.dataset.ready = String(Math.round(performance.now()));
 })();

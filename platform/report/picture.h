@@ -1,4 +1,4 @@
-// One figure as a picture for a paper.
+// One figure as a picture for a paper: a file of the drawing that a page shows, too.
 #pragma once
 
 #include <optional>

@@ -137,6 +137,24 @@ class Browser:
             },
         )
 
+    def mouse(self, *steps):
+        """Steps of the left button: a place to move to, "pointerDown" or "pointerUp"."""
+        actions = [
+            {"type": step, "button": 0}
+            if isinstance(step, str)
+            else {"type": "pointerMove", "duration": 20, "x": round(step[0]), "y": round(step[1])}
+            for step in steps
+        ]
+        mouse = {"type": "pointer", "id": "mouse", "parameters": {"pointerType": "mouse"}, "actions": actions}
+        self.do("POST", "/actions", {"actions": [mouse]})
+
+    def drag(self, start, end):
+        between = [(start[0] + end[0]) / 2, (start[1] + end[1]) / 2]
+        self.mouse(start, "pointerDown", between, end, "pointerUp")
+
+    def double_click(self, x, y):
+        self.mouse((x, y), "pointerDown", "pointerUp", "pointerDown", "pointerUp")
+
     def press(self, *names):
         keys = [KEYS.get(name, name) for name in names]
         self.do(

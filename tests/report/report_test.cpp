@@ -210,7 +210,7 @@ TEST(Pages, AnyJsonMakesOne) {
 TEST(Pictures, HoldEveryLineAndMark) {
   const Figure& figure = *figure_named("a1");
   const std::string svg = svg_of(figure, figure.data(figure, small_result()));
-  EXPECT_NE(svg.find("<path d=\"M"), std::string::npos);
+  EXPECT_NE(svg.find(" d=\"M"), std::string::npos);
   EXPECT_NE(svg.find(">true</text>"), std::string::npos);
   EXPECT_NE(svg.find("<title>a1: amplitude of U</title>"), std::string::npos);
 }
