@@ -67,8 +67,8 @@ std::vector<Scale::Tick> Scale::ticks() const {
   constexpr double few_decades = 2, most_ticks = 8;
   if (log_ && range >= few_decades && std::isfinite(range)) {
     const double step = std::max(1.0, std::ceil(range / most_ticks));
-    for (double at = std::ceil(least_ / step) * step; at <= greatest_; at += step)
-      all.push_back({part_of_shown(at), fmt::format("1e{:g}", at)});
+    for (int i = static_cast<int>(std::ceil(least_ / step)); i * step <= greatest_; ++i)
+      all.push_back({part_of_shown(i * step), fmt::format("1e{:g}", i * step)});
     return all;
   }
   const auto value = [&](double end) { return log_ ? std::pow(10, end) : end; };
