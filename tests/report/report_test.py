@@ -602,7 +602,7 @@ class Campaigns(Seen):
             self.choose(".heat", 2, 1)
             found = self.browser.run(
                 """return {hacked: window.hacked ?? null, scripts: document.scripts.length,
-                strange: document.querySelectorAll('img, iframe, object, embed, base, form, svg:not(.plot svg), body link, body style').length,
+                strange: document.querySelectorAll('img, iframe, object, embed, base, form, svg:not(.plot > svg:first-child, .plot > svg:first-child > .area), body link, body style').length,
                 names: [...document.querySelectorAll('select option')].map((o) => o.textContent)}"""
             )
             self.assertEqual((found["hacked"], found["scripts"], found["strange"]), (None, 2, 0))
@@ -632,7 +632,7 @@ class Hostile(Seen):
         )
         found = self.browser.run(
             """return {hacked: window.hacked ?? null, text: document.body.textContent,
-            scripts: document.scripts.length, strange: document.querySelectorAll('img, iframe, object, embed, base, form, svg:not(.plot svg), math, body link, body style, body meta').length,
+            scripts: document.scripts.length, strange: document.querySelectorAll('img, iframe, object, embed, base, form, svg:not(.plot > svg:first-child, .plot > svg:first-child > .area), math, body link, body style, body meta').length,
             handlers: [...document.querySelectorAll('*')].filter((e) => [...e.attributes].some((a) => a.name.startsWith('on'))).length}"""
         )
         self.assertEqual((found["hacked"], found["scripts"], found["strange"], found["handlers"]), (None, 2, 0, 0))
