@@ -63,6 +63,11 @@ double memory_of_cubes(const NoiseCorrelation& noise) {
   return 1 + 2 * memory;
 }
 
+/// A sensor that settles can look like noise that wanders.
+bool wanders(const Identification& found) {
+  return found.drift.found || found.correlation.slow > 0;
+}
+
 /// Tests what the fit leaves, and what they say of the covariance.
 Evidence evidence_of(const Samples& samples, const DistanceFit& fit, double resolution,
                      Identification& found) {
@@ -102,12 +107,10 @@ Evidence evidence_of(const Samples& samples, const DistanceFit& fit, double reso
     evidence.freedom = std::max(evidence.count / std::max(widening, 1.0) - 5, 1.0);
   }
   found.drift = sensor_drift_of(scores, seen, found.structure, covariance);
-  // A sensor that settles can look like noise that wanders.
-  const bool wanders = found.drift.found || found.correlation.slow > 0;
-  if (wanders) follow_drift(scores, seen, found.structure, found.drift);
+  if (wanders(found)) follow_drift(scores, seen, found.structure, found.drift);
   // What wanders slower than the shaft turns looks like a harmonic; as an amplitude it stays in the
   // bound.
-  if (wanders) found.structure.found = false;
+  if (wanders(found)) found.structure.found = false;
   if (!found.positions.scattered() && !found.structure.found)
     found.one_sided = one_sided(
         scores, memory_of_cubes(found.correlation) * std::max(found.positions.lack_of_fit, 1.0),
@@ -251,8 +254,7 @@ Intervals assess(const Samples& samples, const DistanceFit& fit, double resoluti
   }
   found.bound = bound_of(evidence);
   check_bound(options.gates.bound, found);
-  const bool wanders = found.drift.found || found.correlation.slow > 0;
-  if (wanders && !found.drift.followed) {
+  if (wanders(found) && !found.drift.followed) {
     found.bound.reset();
     found.warning =
         "the sensor changes too much in too small a part of the record, so the record does not "
