@@ -63,9 +63,9 @@ class Campaign {
     if (!known) return Error{known.error()};
     uint64_t had = 0;
     for (std::size_t i = 0; i < plan_.runs().size(); ++i) {
-      const std::string& key = plan_.runs()[i].key;
+      const std::string_view key = plan_.runs()[i].key();
       if (!options_.shard.has(key)) continue;
-      if (known.value().count(key) != 0)
+      if (known.value().count(std::string(key)) != 0)
         ++had;
       else
         tasks_.push_back(i);
@@ -97,9 +97,9 @@ class Campaign {
     const PlannedRun& run = plan_.runs()[ended.task];
     const auto command = plan_.command(run);
     if (!command) return Error{command.error()};
-    Row row{run.key,   ended.ending, command.value(), std::move(ended.result),
-            ended.log, ended.wall_s};
-    const auto judged = judge_.judge(run.values, row);
+    Row row{std::string(run.key()),  ended.ending, command.value(),
+            std::move(ended.result), ended.log,    ended.wall_s};
+    const auto judged = judge_.judge(plan_.values(run), row);
     if (!judged) return Error{judged.error()};
     if (judged.value().pass)
       row.log.clear();

@@ -9,7 +9,6 @@
 #include "base/nearest.h"
 #include "base/number.h"
 #include "base/printable.h"
-#include "campaign/design.h"
 #include "campaign/flat.h"
 #include "host/places.h"
 #include "host/sha256.h"
@@ -56,8 +55,8 @@ Result<Program> Program::own() {
   return program;
 }
 
-bool Shard::has(const std::string& key) const {
-  return std::strtoull(key.substr(0, 16).c_str(), nullptr, 16) % whole == part - 1;
+bool Shard::has(std::string_view key) const {
+  return std::strtoull(std::string(key.substr(0, 16)).c_str(), nullptr, 16) % whole == part - 1;
 }
 
 Result<Plan> Plan::make(Description description, Program program) {
@@ -66,6 +65,7 @@ Result<Plan> Plan::make(Description description, Program program) {
   if (!work) return Error{fmt::format("{}: {}", description.file, work.error())};
   plan.work_ = std::move(work.value());
   plan.description_ = std::make_unique<Description>(std::move(description));
+  plan.design_ = std::make_unique<Design>(*plan.description_);
   plan.program_ = std::move(program);
   if (auto error = plan.check_names()) return *error;
   if (auto error = plan.add_runs()) return *error;
@@ -96,11 +96,12 @@ std::optional<Error> Plan::check_names() const {
 Result<std::vector<Assignment>> Plan::assignments(const PlannedRun& run) const {
   const Description& d = *description_;
   std::vector<Assignment> all = d.settings;
+  const std::vector<std::string> values = this->values(run);
   std::size_t next = 0;
   for (const AxisGroup& group : d.groups)
-    for (const Axis& axis : group.axes) all.push_back({axis.path, run.values[next++], axis.origin});
+    for (const Axis& axis : group.axes) all.push_back({axis.path, values[next++], axis.origin});
   for (const Assignment& seeds : d.repetition_seeds)
-    all.push_back({seeds.path, run.values[next++], seeds.origin});
+    all.push_back({seeds.path, values[next++], seeds.origin});
   const std::size_t given = all.size();
   const Lookup lookup = [&](const std::string& name) -> Value {
     for (std::size_t i = given; i-- > 0;)
@@ -130,7 +131,8 @@ Keep Plan::keep(const PlannedRun& run, bool failed) const {
   constexpr std::size_t enough = 16;  // of a key, for the name of a file
   const Description& d = *description_;
   if (d.failures_folder.empty()) return {};
-  return {d.failures_folder + "/" + run.key.substr(0, enough), failed, d.failures_waves};
+  return {fmt::format("{}/{}", d.failures_folder, run.key().substr(0, enough)), failed,
+          d.failures_waves};
 }
 
 Keep Plan::keep_session(const PlannedRun& run) const {
@@ -140,24 +142,23 @@ Keep Plan::keep_session(const PlannedRun& run) const {
 }
 
 std::optional<Error> Plan::add_runs() {
-  const Design design(*description_);
   const uint64_t count = description_->runs();
   const std::string head =
       fmt::format("campaign 1\nkind={}\nprogram={}\n", description_->kind, program_.hash);
-  std::unordered_set<std::string> keys;
+  std::unordered_set<std::string_view> keys;  // into runs_, which stays where it is
   runs_.reserve(count);
   for (uint64_t i = 0; i < count; ++i) {
-    PlannedRun run{"", design.values(i)};
+    PlannedRun& run = runs_.emplace_back();
+    run.number = i;
     const auto all = assignments(run);
     if (!all) return Error{all.error()};
     const auto job = work_->prepare(all.value());
     if (!job) return Error{job.error()};
-    run.key = host::sha256_of(head + job.value().identity);
-    if (!keys.insert(run.key).second) {
-      ++duplicates_;
-      continue;
-    }
-    runs_.push_back(std::move(run));
+    const std::string key = host::sha256_of(head + job.value().identity);
+    std::copy_n(key.begin(), run.digits.size(), run.digits.begin());
+    if (keys.insert(run.key()).second) continue;
+    ++duplicates_;
+    runs_.pop_back();
   }
   return std::nullopt;
 }

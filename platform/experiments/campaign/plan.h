@@ -1,13 +1,17 @@
 // A description made into runs, each with the key under which a store has it.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/result.h"
 #include "campaign/description.h"
+#include "campaign/design.h"
 #include "campaign/work.h"
 
 namespace capsoc::campaign {
@@ -21,15 +25,20 @@ struct Program {
   static Result<Program> own();
 };
 
+/// Small and without memory on the heap: a worker is a fork of this process, and pays for each page
+/// that it has.
 struct PlannedRun {
-  std::string key;  ///< SHA-256 of program, kind, settings and input files, hexadecimal
-  std::vector<std::string> values;  ///< of the axes, in the order of Description::axis_paths()
+  uint64_t number = 0;  ///< in the design
+  std::array<char, 64> digits{};
+
+  /// SHA-256 of program, kind, settings and input files, hexadecimal.
+  std::string_view key() const { return {digits.data(), digits.size()}; }
 };
 
 /// Share `part` of `whole` of all runs, by key: 1 of 1 are all.
 struct Shard {
   uint64_t part = 1, whole = 1;
-  bool has(const std::string& key) const;
+  bool has(std::string_view key) const;
 };
 
 class Plan {
@@ -45,6 +54,10 @@ class Plan {
   const std::vector<PlannedRun>& runs() const { return runs_; }
   /// Runs of the design that are the same as an earlier one.
   uint64_t duplicates() const { return duplicates_; }
+  /// Of the axes, in the order of Description::axis_paths().
+  std::vector<std::string> values(const PlannedRun& run) const {
+    return design_->values(run.number);
+  }
   /// All that the description sets for a run, axes and what follows from them included. Error: a
   /// derived setting has no value.
   Result<std::vector<Assignment>> assignments(const PlannedRun& run) const;
@@ -61,6 +74,7 @@ class Plan {
   std::optional<Error> check_some() const;
 
   std::unique_ptr<Description> description_;
+  std::unique_ptr<Design> design_;
   Program program_;
   std::unique_ptr<Work> work_;
   std::vector<PlannedRun> runs_;

@@ -229,8 +229,11 @@ std::optional<Error> Store::set_plan(const Plan& plan) {
   if (!insert) return Error{insert.error()};
   int64_t number = 0;
   for (const PlannedRun& run : plan.runs())
-    if (auto error =
-            insert.value().bind(1, number++).bind(2, run.key).bind(3, text_of(run.values)).run())
+    if (auto error = insert.value()
+                         .bind(1, number++)
+                         .bind(2, std::string(run.key()))
+                         .bind(3, text_of(plan.values(run)))
+                         .run())
       return error;
   return transaction.value().commit();
 }
