@@ -83,7 +83,7 @@ void AhbMatrix::b_transport(int id, tlm::tlm_generic_payload& payload, sc_core::
     const uint64_t on_bus = payload.get_address();
     transfer(payload, delay);
     auto* const route = payload.get_extension<kit::DirectRoute>();
-    if (route != nullptr && route->target != nullptr) describe_route(*route, on_bus, id);
+    if (route != nullptr && route->is_described()) describe_route(*route, on_bus, id);
     return;
   }
   auto* const write = payload.get_extension<kit::EarlyWrite>();
@@ -107,6 +107,7 @@ void AhbMatrix::describe_route(kit::DirectRoute& route, uint64_t address, int id
   if (at.entry == nullptr || route.transfers != nullptr) return route.clear();
   TargetSocket& socket = id == 0 ? i_code : id == 1 ? d_code : system;
   const unsigned waits = at.entry->bus == BusKind::ahb ? at.entry->wait_states : 0;
+  route.decode(at.local, address, at.window_base, at.window_last);
   route.extend(ports_[port_of_entry_[at.index]].socket->operator->(),
                socket.get_base_export().operator->(), waits);
   route.transfers = &transfers;

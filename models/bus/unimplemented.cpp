@@ -30,6 +30,8 @@ void Unimplemented::b_transport(tlm::tlm_generic_payload& payload, sc_core::sc_t
   if (!payload.is_read()) return;
   for (unsigned i = 0; i < payload.get_data_length(); ++i)
     if (byte_enabled(payload, i)) payload.get_data_ptr()[i] = 0;
+  if (auto* const route = payload.get_extension<kit::DirectRoute>())
+    route->begin(*this, socket.get_base_export().operator->());
 }
 
 void Unimplemented::report_first(const tlm::tlm_generic_payload& payload) {

@@ -10,13 +10,14 @@
 #include <tlm>
 
 #include "kit/component.h"
+#include "kit/direct_route.h"
 
 namespace capsoc::bus {
 
 /// Reads 0 and drops writes, of any length and at any address. The first access is reported as a
 /// guest error with the program counter, so that "the firmware hangs" becomes "the firmware polls
 /// the watchdog, which is not modelled". Debug accesses read 0 and are neither logged nor counted.
-class Unimplemented : public sc_core::sc_module, public kit::Component {
+class Unimplemented : public sc_core::sc_module, public kit::Component, private kit::ZeroTarget {
  public:
   using CurrentPc = std::function<uint32_t()>;
 
@@ -41,6 +42,7 @@ class Unimplemented : public sc_core::sc_module, public kit::Component {
 
  private:
   void b_transport(tlm::tlm_generic_payload& payload, sc_core::sc_time& delay);
+  void read_zero() override { ++accesses_; }
   unsigned transport_dbg(tlm::tlm_generic_payload& payload);
   void report_first(const tlm::tlm_generic_payload& payload);
 

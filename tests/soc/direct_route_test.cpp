@@ -223,6 +223,37 @@ TEST(DirectRoutes, LetAGateFailAnAccess) {
   expect_all_same(gate<true>, "40010004 1 true");
 }
 
+/// In place of the loop the program leaves for memory that is not modelled, and runs through 128
+/// KiB of its zeros to a breakpoint after them.
+std::function<std::string()> leave_code(Soc& soc) {
+  constexpr uint32_t loop_at = 0xA8, end = 0x01000000;
+  const uint16_t jump[] = {
+      0xF240, 0x0101,  // movw r1, #1
+      0xF2C0, 0x01FE,  // movt r1, #254
+      0x4708,          // bx r1
+  };
+  const uint16_t breakpoint = 0xBEAB;
+  soc.write_memory(loop_at, jump, sizeof jump);
+  soc.write_memory(end, &breakpoint, sizeof breakpoint);
+  return [&soc] {
+    uint64_t count = 0;
+    for (const auto& device : soc.unimplemented) count += device->accesses();
+    return fmt::format("{} accesses", count);
+  };
+}
+
+TEST(DirectRoutes, CodeOfZerosRunsTheSame) {
+  expect_all_same(leave_code, "65536 accesses");
+}
+
+TEST(DirectRoutes, CodeOfZerosIsFetchedWhereAListenerSeesIt) {
+  const auto both = [](Soc& soc) {
+    const auto count = leave_code(soc), seen = listen(soc);
+    return [count, seen] { return count() + "\n" + seen(); };
+  };
+  expect_all_same(both, " fe4000 0");
+}
+
 /// An observer of the pins for a while: writes to them are made at their time then.
 std::function<std::string()> look_at_pins(Soc& soc) {
   struct Seen {

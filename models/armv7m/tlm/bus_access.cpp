@@ -97,6 +97,7 @@ void BusAccess::invalidate(uint64_t first, uint64_t last) {
   constexpr uint64_t half = 0x80000000;
   forget_refusals(first, last);
   routes_.forget(first, last);
+  if (first <= zeros_.last && last >= zeros_.first) zeros_ = {};
   last = std::min<uint64_t>(last, 2 * half - 1);
   if (first > last) return;
   // All of the address space has no size of 32 bits.
@@ -197,12 +198,35 @@ inline BusAccess::Result BusAccess::pass(tlm::tlm_command command, uint32_t addr
 
 /// Remembers the way of the access that payload_ describes, if another one may do without.
 void BusAccess::note_route(const Result& result, uint32_t address, AccessKind kind) {
-  if (kind == AccessKind::fetch) return;
+  if (kind == AccessKind::fetch) return note_zeros(result, address);
   const bool is_store = kind == AccessKind::store;
-  const bool described = result.ok && (is_store ? early_.taken : steady_.ahead) &&
-                         route_.is_whole(port(address, kind).operator->()) &&
-                         route_.cycles == result.wait_cycles;
+  const bool described =
+      result.ok && route_.target != nullptr && (is_store ? early_.taken : steady_.ahead) &&
+      route_.is_whole(port(address, kind).operator->()) && route_.cycles == result.wait_cycles;
   routes_.note(address, payload_.get_data_length(), is_store, described ? &route_ : nullptr);
+}
+
+void BusAccess::note_zeros(const Result& result, uint32_t address) {
+  const Port& from = port(address, AccessKind::fetch);
+  if (!result.ok || route_.zeros == nullptr || !route_.is_whole(from.operator->()) ||
+      route_.cycles != result.wait_cycles)
+    return;
+  // A window may reach past the Code region, where another port serves.
+  const Range part = part_around(address);
+  zeros_ = {route_.zeros, route_.transfers, std::max(route_.first, part.first),
+            std::min(route_.last, part.last), route_.cycles};
+}
+
+std::optional<BusAccess::Result> BusAccess::fetch_directly(uint32_t address) {
+  if (zeros_.target == nullptr || address < zeros_.first || address + uint64_t{1} > zeros_.last)
+    return std::nullopt;
+  const bool is_open = zeros_.transfers == nullptr || !zeros_.transfers->watched();
+  if (!is_open || gate_ != nullptr || horizon_.is_late()) return std::nullopt;
+  zeros_.target->read_zero();
+  Result result;
+  result.ok = result.quiet = true;
+  result.wait_cycles = zeros_.cycles;
+  return result;
 }
 
 /// The way of an access ahead of the kernel that needs no transaction; null: it does.

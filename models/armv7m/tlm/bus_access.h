@@ -54,6 +54,8 @@ class BusAccess {
   /// done: it does, or it has to wait for the kernel.
   std::optional<Result> read_directly(uint32_t address, unsigned size, uint32_t& value);
   std::optional<Result> write_directly(uint32_t address, unsigned size, uint32_t value);
+  /// The same of a fetch; it gets 0.
+  std::optional<Result> fetch_directly(uint32_t address);
   /// Kind of the access that is on a socket now; empty: there is none.
   std::optional<AccessKind> accessing() const { return accessing_; }
 
@@ -99,6 +101,14 @@ class BusAccess {
     std::array<uint64_t, count> accesses_{};
   };
 
+  /// Where code is fetched from a target that reads 0 at all addresses (kit::ZeroTarget).
+  struct Zeros {
+    kit::ZeroTarget* target = nullptr;
+    const kit::TransferProbe* transfers = nullptr;
+    uint64_t first = 0, last = 0;
+    unsigned cycles = 0;
+  };
+
   Port& port(uint32_t address, AccessKind kind);
   bool may_be_ahead(uint32_t address, AccessKind kind, bool may_write_early) const;
   std::optional<Result> stopped(tlm::tlm_command command, uint32_t address, unsigned size,
@@ -109,6 +119,7 @@ class BusAccess {
   unsigned send(uint32_t address, AccessKind kind, bool ahead);
   const DirectRoutes::Route* route(uint32_t address, unsigned size, bool write) const;
   void note_route(const Result& result, uint32_t address, AccessKind kind);
+  void note_zeros(const Result& result, uint32_t address);
   bool map_if_memory(uint32_t address, AccessKind kind);
   bool map_granted(uint32_t address, AccessKind kind, tlm::tlm_command command);
   void map(uint32_t address, const tlm::tlm_dmi& memory);
@@ -125,6 +136,7 @@ class BusAccess {
   Places early_writes_;               // that were taken early, or would be
   kit::DirectRoute route_;            // on the payload: of the last access
   DirectRoutes routes_;               // of those that may be made ahead
+  Zeros zeros_;                       // around the last fetch that met such
   std::optional<AccessKind> accessing_;
   AccessGate* gate_ = nullptr;
   std::vector<Granted> granted_;

@@ -284,9 +284,21 @@ bool CoreTlm::read_at_once(uint32_t address, unsigned size, uint32_t& value,
   return true;
 }
 
+bool CoreTlm::fetch_at_once(uint32_t address, unsigned size, uint32_t& value,
+                            unsigned& wait_cycles) {
+  const auto result = bus_.fetch_directly(address);
+  if (!result) return false;
+  polling_.forget_read();
+  value = 0;
+  wait_cycles = result->wait_cycles;
+  accessed({address, size, value, wait_cycles}, false, *result);
+  return true;
+}
+
 bool CoreTlm::read(uint32_t address, unsigned size, uint32_t& value, unsigned& wait_cycles,
                    AccessKind kind) {
   return (kind == AccessKind::load && read_at_once(address, size, value, wait_cycles)) ||
+         (kind == AccessKind::fetch && fetch_at_once(address, size, value, wait_cycles)) ||
          access(tlm::TLM_READ_COMMAND, address, size, value, wait_cycles, kind);
 }
 

@@ -156,6 +156,7 @@ class CoreTlm : public sc_core::sc_module,
                     unsigned& wait_cycles) override;
   bool write_at_once(uint32_t address, unsigned size, uint32_t value,
                      unsigned& wait_cycles) override;
+  bool fetch_at_once(uint32_t address, unsigned size, uint32_t& value, unsigned& wait_cycles);
   void accessed(const BusTransfer& transfer, bool is_read, const BusAccess::Result& result);
 
   bool must_wake() const override { return reset_requested_; }
