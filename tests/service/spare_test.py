@@ -208,7 +208,7 @@ class Unseen(Spares):
             one, other = (socket.socket(socket.AF_UNIX) for _ in range(2))
             for client in (one, other):
                 client.settimeout(30)
-                client.connect(str(self.folder / "here"))
+                self.wait_for(lambda of=client: of.connect_ex(str(self.folder / "here")) == 0, "the session to listen")
 
             def ask(client, method, **params):
                 request = {"jsonrpc": "2.0", "id": 1, "method": method, "params": params}
