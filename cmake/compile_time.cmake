@@ -52,17 +52,24 @@ endif()
 # once for all of them. A name without linkage must then be the only one of its kind in the target. A change of one source costs
 # the others' time again: with -DCAPSOC_TOGETHER=OFF each is compiled by itself.
 option(CAPSOC_TOGETHER "Compile several sources at once: less than half of the time for a whole build" ON)
+# capsoc_all_together(TARGET...): the same for a checker, which needs no fast code and no second processor: all of a target's.
+option(CAPSOC_ALL_TOGETHER "Compile all sources of a target at once, also where code is hot: for scripts/check_tidy" OFF)
 function(capsoc_together)
   foreach(target ${ARGN})
     set_target_properties(${target} PROPERTIES UNITY_BUILD ${CAPSOC_TOGETHER} UNITY_BUILD_BATCH_SIZE 8)
   endforeach()
+endfunction()
+function(capsoc_all_together)
+  if(CAPSOC_ALL_TOGETHER)
+    set_target_properties(${ARGN} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
+  endif()
 endfunction()
 
 # Which targets; to be called when all of them are there.
 function(capsoc_save_compile_time)
   capsoc_cold(capsoc capsoc_manual capsoc_fit capsoc_campaign capsoc_golden capsoc_reproduce capsoc_accuracy capsoc_tables capsoc_inputs capsoc_results capsoc_ports capsoc_backend
               capsoc_explain capsoc_observers capsoc_session capsoc_metrics capsoc_settings
-              capsoc_host capsoc_loader capsoc_source capsoc_serial capsoc_semihosting capsoc_rsp capsoc_gdb capsoc_bench capsoc_service)
+              capsoc_host capsoc_loader capsoc_source capsoc_serial capsoc_semihosting capsoc_rsp capsoc_gdb capsoc_bench capsoc_service capsoc_view capsoc_fault capsoc_workers)
   capsoc_use_precompiled(capsoc_pch_cli capsoc)
   capsoc_use_precompiled(capsoc_pch_run capsoc_inputs capsoc_results capsoc_ports capsoc_backend capsoc_explain capsoc_observers
                          capsoc_session capsoc_gdb capsoc_service)
@@ -73,5 +80,9 @@ function(capsoc_save_compile_time)
                   capsoc_metrics capsoc_settings capsoc_host capsoc_loader capsoc_serial capsoc_semihosting
                   capsoc_rsp capsoc_gdb capsoc_bench capsoc_kit capsoc_bus capsoc_cmsdk capsoc_an385
                   capsoc_coprocessor_tlm capsoc_armv7m_tlm capsoc_soc capsoc_identification capsoc_sensor capsoc_fit capsoc_campaign capsoc_golden capsoc_regress
-                  capsoc_reproduce capsoc_accuracy capsoc_trace capsoc_fst capsoc_tables capsoc_manual capsoc_service capsoc_report capsoc_source)
+                  capsoc_reproduce capsoc_accuracy capsoc_trace capsoc_fst capsoc_tables capsoc_manual capsoc_service capsoc_report capsoc_source
+                  capsoc_view capsoc_fault capsoc_workers)
+  capsoc_all_together(capsoc_armv7m capsoc_rtl_adapter capsoc_wave_file capsoc_base capsoc capsoc_campaign capsoc_report
+                      capsoc_sensor capsoc_observers capsoc_fit capsoc_reproduce capsoc_host capsoc_metrics capsoc_serial
+                      capsoc_trace capsoc_view capsoc_inject)
 endfunction()

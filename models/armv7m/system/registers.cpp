@@ -7,17 +7,15 @@
 namespace capsoc::armv7m {
 namespace {
 
-using registers::Access;
-
-constexpr uint32_t readable(Access access) {
-  return access == Access::write_only ? 0 : 0xFFFFFFFF;
+constexpr uint32_t readable(registers::Access access) {
+  return access == registers::Access::write_only ? 0 : 0xFFFFFFFF;
 }
 
-#define SYSTEM_REGISTER(name, address, words, room, access, parts, reset, writable, ones)        \
-  {{#name, (address)-SystemRegister::private_peripherals, Access::access, reset, writable, ones, \
-    readable(Access::access)},                                                                   \
-   Room::room,                                                                                   \
-   parts,                                                                                        \
+#define SYSTEM_REGISTER(name, address, words, room, access, parts, reset, writable, ones)   \
+  {{#name, (address)-SystemRegister::private_peripherals, registers::Access::access, reset, \
+    writable, ones, readable(registers::Access::access)},                                   \
+   Room::room,                                                                              \
+   parts,                                                                                   \
    words},
 constexpr SystemRegister of_armv7m[] = {
 #include "armv7m/system/registers.def"

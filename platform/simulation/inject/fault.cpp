@@ -79,7 +79,7 @@ std::vector<std::string> words_of(const std::string& line) {
   return words;
 }
 
-std::optional<uint64_t> whole_number(const std::string& text) {
+std::optional<uint64_t> decimal_number(const std::string& text) {
   if (text.empty() || text.size() > 18 || text.find_first_not_of("0123456789") != std::string::npos)
     return std::nullopt;
   return std::stoull(text);
@@ -120,7 +120,7 @@ std::optional<Error> take_place(const std::string& word, Fault& fault) {
   const std::size_t open = word.rfind('[');
   const auto bit = word.back() != ']' || open == std::string::npos || open == 0
                        ? std::nullopt
-                       : whole_number(word.substr(open + 1, word.size() - open - 2));
+                       : decimal_number(word.substr(open + 1, word.size() - open - 2));
   if (!bit || *bit > INT32_MAX)
     return Error{fmt::format("'{}' names no bit; write PLACE[BIT], for instance cpu.r3[5]",
                              printable(word, 80))};
@@ -153,7 +153,7 @@ std::optional<Error> take_kind(Reader& words, Fault& fault) {
 std::optional<Error> take_cycles(Reader& words, Fault& fault) {
   if (!words.take("cycle")) return std::nullopt;
   const std::string word = words.take();
-  const auto cycles = whole_number(word);
+  const auto cycles = decimal_number(word);
   if (!cycles)
     return Error{fmt::format("'cycle {}' is no time; write sample N cycle M", printable(word, 40))};
   fault.when.cycles = *cycles;
@@ -166,7 +166,7 @@ std::optional<Error> take_time(Reader& words, Fault& fault) {
   for (const NamedUnit& unit : named_units) {
     if (word != unit.word) continue;
     word = words.take();
-    const auto number = whole_number(word);
+    const auto number = decimal_number(word);
     if (!number || (unit.unit == Unit::sample && *number == 0))
       return Error{fmt::format("'{} {}' is no time; {}", unit.word, printable(word, 40), times)};
     fault.when = {unit.unit, *number, 0};

@@ -21,15 +21,16 @@ constexpr int plot_digits = 7;
 constexpr int parameter_digits = 10;  ///< errors are taken from them: a word of 32 bits has no more
 constexpr int harmonics = 16;
 
-constexpr std::array<std::pair<const char*, int>, 9> values = {{{"a1", parameter_digits},
-                                                                {"a2", parameter_digits},
-                                                                {"b1", parameter_digits},
-                                                                {"b2", parameter_digits},
-                                                                {"beta", parameter_digits},
-                                                                {"phi", parameter_digits},
-                                                                {"err_u", plot_digits},
-                                                                {"err_v", plot_digits},
-                                                                {"error_average", plot_digits}}};
+constexpr std::array<std::pair<const char*, int>, 9> quantities = {
+    {{"a1", parameter_digits},
+     {"a2", parameter_digits},
+     {"b1", parameter_digits},
+     {"b2", parameter_digits},
+     {"beta", parameter_digits},
+     {"phi", parameter_digits},
+     {"err_u", plot_digits},
+     {"err_v", plot_digits},
+     {"error_average", plot_digits}}};
 
 struct Bit {
   const char* name;
@@ -184,7 +185,7 @@ void add_by_angle(const std::vector<TurnSample>& turn, Curves& curves) {
 }  // namespace
 
 SampleCurves::SampleCurves()
-    : values_(buckets, values.size()),
+    : values_(buckets, quantities.size()),
       angle_error_(buckets),
       raw_error_(buckets),
       changes_(bits.size(), Thinner(buckets)) {}
@@ -194,7 +195,7 @@ void SampleCurves::add(const RecordedSample& sample) {
   if (!sample.result) return;
   const RecordedResult& result = *sample.result;
   const Parameters p = to_values(result.words);
-  const std::array<double, values.size()> now = {
+  const std::array<double, quantities.size()> now = {
       p.a1,
       p.a2,
       p.b1,
@@ -239,8 +240,8 @@ void SampleCurves::visit(Archive& archive) {
 
 Curves SampleCurves::curves(const ParameterWords& end) const {
   Curves curves;
-  for (std::size_t i = 0; i < values.size(); ++i)
-    curves.emplace_back(values[i].first, shown(values_.curve(i), values[i].second));
+  for (std::size_t i = 0; i < quantities.size(); ++i)
+    curves.emplace_back(quantities[i].first, shown(values_.curve(i), quantities[i].second));
   curves.emplace_back("angle_error", shown(angle_error_.curve()));
   curves.emplace_back("raw_error", shown(raw_error_.curve()));
   const std::vector<TurnSample> turn = turn_.samples();

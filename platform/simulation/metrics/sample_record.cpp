@@ -52,7 +52,7 @@ Cell angle_error(const RecordedSample& sample, std::size_t) {
   return turn_difference(sample.result->angle / q32, sample.angle_turns) * 360;
 }
 
-constexpr std::array<Column, 20> all = {{
+constexpr std::array<Column, 20> columns_known = {{
     {"sample", [](const RecordedSample&, std::size_t k) { return Cell(static_cast<double>(k)); }},
     {"t", [](const RecordedSample& s, std::size_t) { return Cell(s.time_s); }},
     {"u", [](const RecordedSample& s, std::size_t) { return Cell(s.u / q31); }},
@@ -80,16 +80,16 @@ constexpr std::array<Column, 20> all = {{
 Result<RecordColumns> record_columns(const std::string& names, const std::string& origin) {
   RecordColumns columns;
   for (const std::string& name : split(names.empty() ? "t,u,v,angle_deg" : names + ",", ',')) {
-    const auto found = std::find_if(all.begin(), all.end(),
+    const auto found = std::find_if(columns_known.begin(), columns_known.end(),
                                     [&](const Column& column) { return name == column.name; });
-    if (found == all.end()) {
+    if (found == columns_known.end()) {
       std::string known;
-      for (const Column& column : all)
+      for (const Column& column : columns_known)
         known += std::string(known.empty() ? "" : ", ") + column.name;
       return Error{fmt::format("{}: there is no column '{}'; choose from {}", origin,
                                printable(name), known)};
     }
-    const auto place = static_cast<std::size_t>(found - all.begin());
+    const auto place = static_cast<std::size_t>(found - columns_known.begin());
     if (std::count(columns.begin(), columns.end(), place) != 0)
       return Error{fmt::format("{}: column '{}' is there twice; keep one", origin, name)};
     columns.push_back(place);
@@ -110,12 +110,12 @@ void RecordedResult::visit(Archive& archive) {
 }
 
 const char* column_name(std::size_t column) {
-  return all.at(column).name;
+  return columns_known.at(column).name;
 }
 
 std::optional<double> column_value(std::size_t column, const RecordedSample& sample,
                                    std::size_t index) {
-  return all.at(column).value(sample, index);
+  return columns_known.at(column).value(sample, index);
 }
 
 }  // namespace capsoc::metrics

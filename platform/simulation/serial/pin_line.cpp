@@ -13,7 +13,7 @@
 namespace capsoc::serial {
 namespace {
 
-constexpr uint64_t largest_script = 64U << 20U;
+constexpr uint64_t largest_pin_script = 64U << 20U;
 constexpr std::size_t longest_line = 200;
 
 /// The words of a line without what is after #.
@@ -82,7 +82,7 @@ Result<std::unique_ptr<PinLine>> PinLine::open(const std::string& spec, const st
   std::unique_ptr<PinLine> line(new PinLine(name, pins, std::move(backend.value())));
   if (script.empty()) return line;
   const auto text =
-      read_input(script, {fmt::format("name a script for --{}", name), largest_script, true});
+      read_input(script, {fmt::format("name a script for --{}", name), largest_pin_script, true});
   if (!text) return Error{text.error()};
   auto events = parse_pin_script(script, text.value(), pins);
   if (!events) return Error{events.error()};

@@ -13,7 +13,7 @@
 namespace capsoc::serial {
 namespace {
 
-constexpr uint64_t largest_script = 16U << 20U;
+constexpr uint64_t largest_uart_script = 16U << 20U;
 constexpr const char* forms =
     "write at SECONDS, wait SECONDS, send \"TEXT\" or expect /REGEX/ [within SECONDS]";
 
@@ -137,7 +137,7 @@ Result<std::vector<UartStep>> parse_uart_script(const std::string& file, const s
 }
 
 Result<UartScript> UartScript::open(const std::string& file, const std::string& option) {
-  const auto text = read_input(file, {"name a script for " + option, largest_script, true});
+  const auto text = read_input(file, {"name a script for " + option, largest_uart_script, true});
   if (!text) return Error{text.error()};
   auto steps = parse_uart_script(file, text.value());
   if (!steps) return Error{steps.error()};
