@@ -219,7 +219,12 @@ class Inputs(unittest.TestCase):
             self.check(f"{path}{expected}", *arguments)
 
     def test_a_missing_elf(self):
-        self.check("none.elf", "none.elf")
+        self.check("none.elf: there is no such program; did you mean ", "none.elf")
+        self.check("did you mean selfcal or ", "selfcall")
+        near = f"did you mean {FIRMWARE / 'hello.elf'} or "
+        self.check(near, FIRMWARE / "helo.elf")
+        self.check("cannot be read", FIRMWARE / "no folder" / "hello.elf")
+        self.check("firmware.elf has no value", "-C", "firmware.elf=")
 
     def test_a_foreign_elf(self):
         self.check("another machine", CAPSOC)

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 
+#include "base/nearest.h"
 #include "base/number.h"
 #include "base/printable.h"
 #include "base/split.h"
@@ -88,6 +90,49 @@ std::optional<Error> open_further_sensors(const SensorSettings& settings,
   return std::nullopt;
 }
 
+/// Adds the names of a folder's files with an ending, as `shown` has them.
+void add_names(const std::filesystem::path& folder, const std::filesystem::path& ending,
+               const std::function<std::filesystem::path(const std::filesystem::path&)>& shown,
+               std::vector<std::string>& names) {
+  constexpr std::size_t enough = 1000;
+  std::error_code none;
+  for (std::filesystem::directory_iterator each(folder, none), end;
+       !none && each != end && names.size() < enough; each.increment(none))
+    if (each->path().extension() == ending)
+      names.push_back(printable(shown(each->path()).string(), 200));
+}
+
+/// The names nearest to a program that is not there: of the files in its folder, and without a
+/// folder of the programs that come with capsoc.
+std::string names_near(const std::filesystem::path& program) {
+  using Path = std::filesystem::path;
+  std::vector<std::string> known;
+  if (program.has_parent_path()) {
+    add_names(
+        program.parent_path(), program.extension(), [](const Path& p) { return p; }, known);
+  } else {
+    add_names(
+        host::data_path("firmware"), ".elf", [](const Path& p) { return p.stem(); }, known);
+    add_names(
+        ".", ".elf", [](const Path& p) { return p.filename(); }, known);
+  }
+  std::sort(known.begin(), known.end());
+  return nearest_names(program.string().substr(0, 200), std::move(known));
+}
+
+/// The program that the user named is not there.
+std::optional<Error> missing(const FirmwareSettings& settings, const std::string& file) {
+  std::error_code none;
+  if (settings.elf.is_built_in() || (!file.empty() && std::filesystem::exists(file, none)))
+    return std::nullopt;
+  const char* const advice = "name an ELF file for the Cortex-M3";
+  if (file.empty()) return Error{fmt::format("firmware.elf has no value; {}", advice)};
+  const std::string near = names_near(file);
+  if (near.empty()) return std::nullopt;  // the reader knows the reason
+  return Error{
+      fmt::format("{}: there is no such program; did you mean {}?", printable(file, 200), near)};
+}
+
 }  // namespace
 
 std::string program_of(const FirmwareSettings& settings) {
@@ -105,6 +150,7 @@ std::vector<std::string> places_to_load(const FirmwareSettings& settings) {
 Result<loader::ElfImage> read_program(const FirmwareSettings& settings) {
   const std::string file = program_of(settings);
   if (auto error = missing_default(settings, file)) return *error;
+  if (auto error = missing(settings, file)) return *error;
   return loader::load_program(file);
 }
 
