@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Several sensors at once on a coprocessor of several channels: the program `channels`."""
 
+import json
 import re
 import unittest
 
@@ -64,6 +65,29 @@ class Channels(Case):
         self.check(text)
         # The same in the RTL, sample by sample.
         self.assertEqual(output_of(*self.command("--coprocessor", "lockstep"), code=1), text)
+
+    def test_the_result_has_each_sensor(self):
+        output_of(*self.command("--json", "r.json"), code=1, cwd=self.folder)
+        sensors = json.loads((self.folder / "r.json").read_text())["sensors"]
+        self.assertEqual([each["channel"] for each in sensors], [0, 1, 2, 3])
+        self.assertEqual([each["path"] for each in sensors], self.files)
+        for number, each in enumerate(sensors):
+            self.assertGreater(each["samples"], 5 * RATE, each)
+            self.assertLess(each["valid"], each["samples"], each)
+            self.assertIsNone(each["parameters"]["phi"]["true"])
+            error = each["angle_error_deg"]
+            self.assertGreater(error["uncalibrated_max"], 5, each)
+            if number == BROKEN:
+                self.assertGreater(error["last_revolution"], 5, each)
+                continue
+            self.assertLess(error["last_revolution"], 1e-4, each)
+            for name in ("a1", "a2", "b1"):
+                self.assertLess(abs(each["parameters"][name]["relative_error"]), 1e-6, (number, name))
+        # The same from the middle on, and in the RTL.
+        output_of(*self.command("--save", "half.capsoc@2.5"), code=1, cwd=self.folder)
+        for rest in (("--restore", "half.capsoc"), ("--coprocessor", "lockstep")):
+            output_of(*self.command(*rest, "--json", "s.json"), code=1, cwd=self.folder)
+            self.assertEqual(json.loads((self.folder / "s.json").read_text())["sensors"], sensors, rest)
 
     def test_a_checkpoint_has_all_of_them(self):
         text = output_of(*self.command(), code=1)

@@ -31,6 +31,13 @@ std::optional<metrics::Parameters> truth_of(const sensor::Description& d) {
   return metrics::Parameters{*d.a1, *d.a2, *d.b1, *d.b2, *d.beta, *d.phi};
 }
 
+metrics::Metrics metrics_of(const sensor::Description& description, std::optional<double> speed,
+                            const std::optional<metrics::TruthAlignment>& alignment) {
+  double frequency = std::fabs(description.frequency_hz.value_or(0));
+  if (speed) frequency = std::fabs(*speed) * description.sample_rate_hz.value_or(0);
+  return {truth_of(description), frequency > 0 ? 1 / frequency : 20, alignment};
+}
+
 /// The default program is missing: the binary was copied without its files.
 std::optional<Error> missing_default(const FirmwareSettings& settings, const std::string& program) {
   std::error_code ignored;
@@ -220,13 +227,17 @@ std::vector<const loader::ElfImage*> RunInputs::images() const {
 }
 
 metrics::Metrics RunInputs::make_metrics() const {
-  const sensor::Description& description = source->description();
-  double frequency = std::fabs(description.frequency_hz.value_or(0));
-  if (recorded_speed)
-    frequency = std::fabs(*recorded_speed) * description.sample_rate_hz.value_or(0);
-  metrics::Metrics metrics(truth_of(description), frequency > 0 ? 1 / frequency : 20, alignment);
+  metrics::Metrics metrics = metrics_of(source->description(), recorded_speed, alignment);
   if (preset) metrics.preset(*preset);
   return metrics;
+}
+
+std::vector<metrics::Metrics> RunInputs::metrics_of_each() const {
+  std::vector<metrics::Metrics> each = {make_metrics()};
+  for (const FurtherSensor& sensor : further_sensors)
+    each.push_back(metrics_of(sensor.source->description(), metrics::recorded_speed(*sensor.source),
+                              metrics::recorded_alignment(*sensor.source)));
+  return each;
 }
 
 std::vector<Input> RunInputs::files(

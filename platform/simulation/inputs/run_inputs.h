@@ -48,6 +48,8 @@ struct RunInputs {
   /// Nothing found yet, the truth and the length of a revolution (20 s where the sensor does not
   /// say).
   metrics::Metrics make_metrics() const;
+  /// The same of each sensor, in the order of channels.
+  std::vector<metrics::Metrics> metrics_of_each() const;
 
   /// Every file that counts, with its hash. `received`: what ports read in addition, a role and a
   /// file each.

@@ -27,7 +27,8 @@ Observation::Observation(soc::Soc& soc, const RunInputs& inputs, bool on_termina
       metrics_(inputs.make_metrics()),
       match_(inputs.sensor_file, inputs.source->description(), inputs.recorded_speed,
              [this](const std::string& sentence) { warn(sentence); }),
-      progress_(on_terminal) {}
+      progress_(on_terminal),
+      several_(inputs) {}
 
 void Observation::warn(const std::string& sentence) {
   spdlog::warn("{}", sentence);
@@ -39,13 +40,15 @@ std::optional<Error> Observation::open() {
   soc_.adc.set_source([this](uint64_t k, double t) { return next(k, t); });
   // Its edge comes before the next sample, so the truth is still this sample's.
   submissions_ = soc_.coprocessor.samples.listen([this](uint64_t, bool latched, uint64_t number) {
-    if (!latched || !is_alone()) return;
+    if (!latched) return;
+    if (!is_alone()) return several_.taken(number, channel_, truth_);
     metrics_.accepted(truth_);
     take(number);
   });
   results_ = soc_.coprocessor.results.listen(
       [this](uint64_t, const coprocessor::Nodes& nodes, uint64_t number) {
-        if (is_alone()) result(nodes, number);
+        if (!is_alone()) return several_.result(nodes, number);
+        result(nodes, number);
       });
   conversions_ =
       soc_.adc.conversions.listen([this](uint64_t, const peripherals::SensorSample& sample) {
@@ -89,6 +92,7 @@ std::optional<peripherals::AdcInput> Observation::next(uint64_t k, double t) {
     for (const RunInputs::FurtherSensor& further : inputs_.further_sensors)
       further.source->rewind();
     metrics_.dropped_all();
+    several_.restarted();
     match_.restarted();
     lose(on_the_way_.size());
   }
@@ -107,6 +111,8 @@ std::optional<peripherals::AdcInput> Observation::next_of(unsigned channel, uint
   sensor::Source& source = channel == 0 ? source_ : *inputs_.further_sensors.at(channel - 1).source;
   const auto value = source.sample(k, t);
   if (!value) return std::nullopt;
+  channel_ = channel;
+  truth_ = {t, value->u, value->v, value->angle_turns, value->has_truth};
   return peripherals::AdcInput{value->u,         value->v,  value->angle_turns,
                                value->has_truth, ++number_, channel};
 }
@@ -191,6 +197,9 @@ void Observation::visit(Archive& archive) {
   archive.sequence("on_the_way", on_the_way_, most_on_the_way);
   archive("sensor_match", match_);
   archive("sensor_warnings", warnings_);
+  if (is_alone()) return;
+  archive("channel", channel_);
+  archive("several", several_);
 }
 
 /// No result comes any more.
@@ -204,6 +213,7 @@ void Observation::close(RunResult& result) {
 }
 
 void Observation::finish(RunResult& result) {
+  if (!is_alone()) result.sensors = several_.results();
   result.errors = metrics_.angle_errors();
   result.samples = metrics_.samples();
   result.convergence = metrics_.convergence();

@@ -15,6 +15,7 @@
 #include "metrics/sensor_match.h"
 #include "observers/progress.h"
 #include "observers/run_observer.h"
+#include "observers/sensors_observation.h"
 #include "soc/soc.h"
 
 namespace capsoc::run {
@@ -53,8 +54,7 @@ class Observation final : public RunObserver {
   void lose(std::size_t count);
   std::optional<peripherals::AdcInput> next(uint64_t k, double t);
   std::optional<peripherals::AdcInput> next_of(unsigned channel, uint64_t k, double t);
-  /// With several sensors there are no metrics: what a result means is in registers that the
-  /// program has to open.
+  /// With several sensors the metrics are those of `several_`.
   bool is_alone() const { return inputs_.further_sensors.empty(); }
   void result(const coprocessor::Nodes& nodes, uint64_t number);
   void watch_sampling(uint32_t control);
@@ -69,7 +69,9 @@ class Observation final : public RunObserver {
   std::vector<std::string> warnings_;  ///< where the program does not match the sensor
   metrics::SensorMatch match_;
   Progress progress_;
-  metrics::SensorTruth truth_;     ///< of the newest sample
+  metrics::SensorTruth truth_;  ///< of the newest sample
+  unsigned channel_ = 0;        ///< ditto
+  SensorsObservation several_;
   uint64_t number_ = 0;            ///< of the newest sample
   Sample newest_;                  ///< of the front-end
   std::optional<double> since_s_;  ///< the first sample that the coprocessor took

@@ -4,8 +4,10 @@
 
 #include <cmath>
 #include <systemc>
+#include <utility>
 
 #include "base/json.h"
+#include "base/printable.h"
 #include "inputs/input_settings.h"
 #include "version/version.h"
 
@@ -25,26 +27,27 @@ struct Row {
   std::optional<double> relative_error;
 };
 
-std::vector<Row> rows_of(const RunResult& result) {
-  const metrics::Parameters value = metrics::to_values(result.words);
+std::vector<Row> rows_of(const metrics::ParameterWords& words,
+                         const std::optional<metrics::Parameters>& truth, bool phi_comparable) {
+  const metrics::Parameters value = metrics::to_values(words);
   const auto row = [&](const char* name, int64_t word, double found,
                        double metrics::Parameters::*member, bool angle) {
     Row r{name, word, found, std::nullopt, std::nullopt};
-    const bool comparable = member != &metrics::Parameters::phi || result.phi_comparable;
-    if (result.truth && comparable) {
-      r.truth = (*result.truth).*member;
+    const bool comparable = member != &metrics::Parameters::phi || phi_comparable;
+    if (truth && comparable) {
+      r.truth = (*truth).*member;
       const double difference =
           angle ? metrics::wrapped_difference(found, *r.truth) : found - *r.truth;
       if (*r.truth != 0) r.relative_error = difference / *r.truth;
     }
     return r;
   };
-  return {row("a1", result.words.a1, value.a1, &metrics::Parameters::a1, false),
-          row("a2", result.words.a2, value.a2, &metrics::Parameters::a2, false),
-          row("b1", result.words.b1, value.b1, &metrics::Parameters::b1, false),
-          row("b2", result.words.b2, value.b2, &metrics::Parameters::b2, false),
-          row("beta", result.words.beta, value.beta, &metrics::Parameters::beta, true),
-          row("phi", result.words.phi, value.phi, &metrics::Parameters::phi, true)};
+  return {row("a1", words.a1, value.a1, &metrics::Parameters::a1, false),
+          row("a2", words.a2, value.a2, &metrics::Parameters::a2, false),
+          row("b1", words.b1, value.b1, &metrics::Parameters::b1, false),
+          row("b2", words.b2, value.b2, &metrics::Parameters::b2, false),
+          row("beta", words.beta, value.beta, &metrics::Parameters::beta, true),
+          row("phi", words.phi, value.phi, &metrics::Parameters::phi, true)};
 }
 
 /// In the state's own words: what the table prints and the result file says.
@@ -66,17 +69,57 @@ std::string degrees(const std::optional<double>& value, bool known) {
   return known ? "not reached" : "not known";
 }
 
+ordered_json parameters_json(const std::vector<Row>& rows) {
+  ordered_json j;
+  for (const Row& row : rows)
+    j[row.name] = {{"word", row.word},
+                   {"value", row.value},
+                   {"true", number_or_null(row.truth)},
+                   {"relative_error", number_or_null(row.relative_error)}};
+  return j;
+}
+
+ordered_json sensors_json(const std::vector<SensorResult>& sensors) {
+  ordered_json list = ordered_json::array();
+  for (const SensorResult& sensor : sensors) {
+    ordered_json j = {{"channel", list.size()},
+                      {"path", sensor.file},
+                      {"samples", sensor.samples},
+                      {"valid", sensor.valid}};
+    j["parameters"] = nullptr;
+    if (sensor.samples > 0)
+      j["parameters"] = parameters_json(rows_of(sensor.words, sensor.truth, false));
+    j["angle_error_deg"] = {
+        {"uncalibrated_max", number_or_null(sensor.errors.uncalibrated_max)},
+        {"last_revolution", number_or_null(sensor.errors.calibrated_max_last_revolution)}};
+    list.push_back(std::move(j));
+  }
+  return list;
+}
+
+/// A line for each of several sensors.
+std::string sensors_table(const std::vector<SensorResult>& sensors) {
+  std::string text;
+  for (std::size_t channel = 0; channel < sensors.size(); ++channel) {
+    const SensorResult& sensor = sensors[channel];
+    const bool known = sensor.errors.angle_known;
+    text += fmt::format(
+        "channel {} ({}): {} samples, {} valid; largest angle error before {}, in the last turn "
+        "{}\n",
+        channel, printable(sensor.file, 200), sensor.samples, sensor.valid,
+        degrees(sensor.errors.uncalibrated_max, known),
+        degrees(sensor.errors.calibrated_max_last_revolution, known));
+  }
+  return text;
+}
+
 void add_sensor_results(const RunResult& result, ordered_json& j) {
   const metrics::Convergence& convergence = result.convergence;
   j["convergence"] = name_of(convergence.state);
   j["convergence_s"] = nullptr;
   if (convergence.state == metrics::Convergence::State::reached)
     j["convergence_s"] = convergence.since_s;
-  for (const Row& row : rows_of(result))
-    j["parameters"][row.name] = {{"word", row.word},
-                                 {"value", row.value},
-                                 {"true", number_or_null(row.truth)},
-                                 {"relative_error", number_or_null(row.relative_error)}};
+  j["parameters"] = parameters_json(rows_of(result.words, result.truth, result.phi_comparable));
   j["angle_error_deg"] = {
       {"uncalibrated_max", number_or_null(result.errors.uncalibrated_max)},
       {"uncalibrated_max_paper", number_or_null(result.errors.uncalibrated_max_paper)},
@@ -118,7 +161,7 @@ std::string sensor_table(const RunResult& result) {
   const auto line = [&](const std::string& l) { text += l + "\n"; };
   line(fmt::format("{:<10}{:>14}{:>16}{:>16}{:>16}", "parameter", "word", "identified", "true",
                    "relative error"));
-  for (const Row& row : rows_of(result))
+  for (const Row& row : rows_of(result.words, result.truth, result.phi_comparable))
     line(fmt::format("{:<10}{:>14}{:>16.9f}{:>16}{:>16}", row.name, row.word, row.value,
                      row.truth ? fmt::format("{:.9f}", *row.truth) : "not known",
                      row.relative_error ? fmt::format("{:.2e}", *row.relative_error) : "-"));
@@ -269,6 +312,7 @@ nlohmann::ordered_json to_json(const RunResult& result, const Settings& settings
     for (const char* key : {"convergence", "convergence_s", "parameters", "angle_error_deg"})
       j[key] = nullptr;
   }
+  if (!result.sensors.empty()) j["sensors"] = sensors_json(result.sensors);
   j["verdict"] = nullptr;
   if (result.verdict) j["verdict"] = verdict_json(*result.verdict);
   if (!result.sensor_warnings.empty()) j["sensor_warnings"] = result.sensor_warnings;
@@ -307,6 +351,7 @@ std::string to_table(const RunResult& result) {
   const auto line = [&](const std::string& l) { text += l + "\n"; };
   line("");
   if (result.samples > 0) text += sensor_table(result);
+  text += sensors_table(result.sensors);
   if (result.golden) text += golden::to_table(*result.golden) + "\n";
   for (const FaultOutcome& fault : result.faults) line(fault_line(fault));
   line(fmt::format("{}{} simulated s in {} s ({} times real time), {} instructions, {} cycles",

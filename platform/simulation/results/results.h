@@ -85,6 +85,15 @@ nlohmann::ordered_json to_json(const FaultOutcome& fault);
 /// As an entry of `profile` of a result.
 nlohmann::ordered_json to_json(const trace::FunctionCost& function);
 
+/// What became of one of several sensors.
+struct SensorResult {
+  std::string file;
+  uint64_t samples = 0, valid = 0;  ///< results, and those of them with VALID
+  metrics::ParameterWords words;    ///< of the last result
+  std::optional<metrics::Parameters> truth;
+  metrics::AngleErrors errors;  ///< of all results as if in demodulation
+};
+
 /// The complete result of a run.
 struct RunResult {
   int code = exit_code::pass;
@@ -101,6 +110,7 @@ struct RunResult {
   std::optional<metrics::Parameters> truth;
   bool phi_comparable = true;  ///< metrics::Metrics::phi_comparable()
   metrics::AngleErrors errors;
+  std::vector<SensorResult> sensors;               ///< empty with one
   std::optional<metrics::ProgramVerdict> verdict;  ///< of a program that states one
   uint64_t uart0_bytes = 0;
   std::string uart0_sha256;
