@@ -1,6 +1,10 @@
 // What the report of `capsoc run` says next to its figures.
 #include <fmt/format.h>
 
+#include <string>
+#include <utility>
+#include <vector>
+
 #include "report/html.h"
 #include "report/page.h"
 
@@ -45,6 +49,27 @@ std::string figures_of_run(const Json& result) {
   add("cycles", shown_at(result, {"cpu", "cycles"}));
   add("golden: the angle", shown_at(result, {"golden", "angle", "verdict"}));
   return html_of(table);
+}
+
+/// Of a run with several.
+std::string sensors_of(const Json& result) {
+  Table table{
+      "Sensors: parameters (full scale, rad), largest angle error before and in the last turn "
+      "(deg)",
+      {"channel", "sensor", "samples", "valid", "a1", "a2", "b1", "b2", "beta", "before",
+       "last turn"},
+      {}};
+  for (const Json* sensor : elements_at(result, {"sensors"})) {
+    std::vector<Cell> row;
+    for (const char* key : {"channel", "path", "samples", "valid"})
+      row.push_back(shown_at(*sensor, {key}));
+    for (const char* name : {"a1", "a2", "b1", "b2", "beta"})
+      row.push_back(shown_at(*sensor, {"parameters", name, "value"}));
+    for (const char* key : {"uncalibrated_max", "last_revolution"})
+      row.push_back(shown_at(*sensor, {"angle_error_deg", key}));
+    table.rows.push_back(std::move(row));
+  }
+  return table.rows.empty() ? "" : html_of(table);
 }
 
 std::string reports_of(const Json& result) {
@@ -101,8 +126,8 @@ void add_run_sections(Page& page) {
   const auto each = [&](std::string (*piece)(const Json&)) { return page.of_each("run", piece); };
   const auto figures = [&](const char* section) { return page.figures_of("run", section); };
   page.add("Errors of the angle", figures("Errors of the angle"));
-  page.add("Result",
-           each(figures_of_run) + each(parameters_of) + each(reports_of) + each(curves_missing));
+  page.add("Result", each(figures_of_run) + each(parameters_of) + each(sensors_of) +
+                         each(reports_of) + each(curves_missing));
   for (const char* section : {"Learning curves", "Errors of the parameters",
                               "Errors of the demodulator", "The signals", "Status and flags"})
     page.add(section, figures(section));

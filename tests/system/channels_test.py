@@ -67,7 +67,10 @@ class Channels(Case):
         self.assertEqual(output_of(*self.command("--coprocessor", "lockstep"), code=1), text)
 
     def test_the_result_has_each_sensor(self):
-        output_of(*self.command("--json", "r.json"), code=1, cwd=self.folder)
+        output_of(*self.command("--json", "r.json", "--html", "r.html"), code=1, cwd=self.folder)
+        page = (self.folder / "r.html").read_text()
+        for path in self.files:
+            self.assertIn(f"<td>{path}</td>", re.sub(r"<td[^>]*>", "<td>", page))
         sensors = json.loads((self.folder / "r.json").read_text())["sensors"]
         self.assertEqual([each["channel"] for each in sensors], [0, 1, 2, 3])
         self.assertEqual([each["path"] for each in sensors], self.files)
