@@ -72,6 +72,12 @@ std::string pair(const char* command, long x, long y) {
   return fmt::format("{}{}{}{}", command, x, y < 0 ? "" : " ", y);
 }
 
+/// "error, deg" as the logarithm's axis has it: "|error|, deg".
+std::string magnitude(const std::string& name) {
+  const std::size_t unit = std::min(name.rfind(", "), name.size());
+  return "|" + name.substr(0, unit) + "|" + name.substr(unit);
+}
+
 }  // namespace
 
 bool spans_decades(const Column& column) {
@@ -165,7 +171,7 @@ std::string Drawing::names() const {
   const bool chosen = !columns.all.empty();
   const std::string& x = chosen ? columns.all[columns.across].name : figure_.x;
   std::string y = chosen ? columns.all[columns.up].name : figure_.y;
-  if (figure_.log && figure_.kind != Kind::bars && !chosen) y = "|y| of: " + y;
+  if (figure_.log && figure_.kind != Kind::bars && !chosen) y = magnitude(y);
   return text(left + area / 2, top + height_ + 34, x,
               " class=\"x-name\" text-anchor=\"middle\"" + font_for(x, area)) +
          fmt::format(

@@ -374,7 +374,7 @@
     button("Whole", "Show the whole plot", reset);
     const name_axes = () => {
       svg.querySelector(".x-name").textContent = figure.x;
-      svg.querySelector(".y-name").textContent = (log && figure.kind !== "bars" && !figure.columns ? "|y| of: " : "") + figure.y;
+      svg.querySelector(".y-name").textContent = log && figure.kind !== "bars" && !figure.columns ? figure.y.replace(/^(.*?)(, [^,]*)?$/, "|$1|$2") : figure.y;
     };
     if (figure.kind !== "lanes" && figure.kind !== "points")
       button(log ? "Linear" : "Log", "Switch the logarithmic axis", (event) => {

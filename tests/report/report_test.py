@@ -443,6 +443,15 @@ class Runs(OfACommand):
             const before = f.plot.log()[1]; b.click(); return [before, f.plot.log()[1], b.textContent]"""
         )
         self.assertEqual(log, [False, True, "Linear"])
+        # An axis is named alike by the drawing and by the script.
+        switched = """const f = document.querySelector(`figure[data-figure=${arguments[0]}]`), names = [];
+            for (let n = 0; n < 3; ++n) {
+              names.push(f.querySelector('.y-name').textContent);
+              [...f.querySelectorAll('button')].find((b) => ['Log', 'Linear'].includes(b.textContent)).click();
+            }
+            return names"""
+        magnitude, name = "|angle error|, deg", "angle error, deg"
+        self.assertEqual(self.browser.run(switched, "angle-error"), [magnitude, name, magnitude])
         self.CLEAN(self.html)
 
     def test_the_same_result_gives_the_same_bytes(self):
