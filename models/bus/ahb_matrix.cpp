@@ -107,7 +107,7 @@ void AhbMatrix::describe_route(kit::DirectRoute& route, uint64_t address, int id
   if (at.entry == nullptr || route.transfers != nullptr) return route.clear();
   TargetSocket& socket = id == 0 ? i_code : id == 1 ? d_code : system;
   const unsigned waits = at.entry->bus == BusKind::ahb ? at.entry->wait_states : 0;
-  route.decode(at.local, address, at.window_base, at.window_last);
+  if (route.zeros != nullptr) route.decode(at.local, address, at.window_base, at.window_last);
   route.extend(ports_[port_of_entry_[at.index]].socket->operator->(),
                socket.get_base_export().operator->(), waits);
   route.transfers = &transfers;

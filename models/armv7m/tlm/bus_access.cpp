@@ -198,19 +198,19 @@ inline BusAccess::Result BusAccess::pass(tlm::tlm_command command, uint32_t addr
 
 /// Remembers the way of the access that payload_ describes, if another one may do without.
 void BusAccess::note_route(const Result& result, uint32_t address, AccessKind kind) {
-  if (kind == AccessKind::fetch) return note_zeros(result, address);
+  const bool described = result.ok && route_.is_whole(port(address, kind).operator->()) &&
+                         route_.cycles == result.wait_cycles;
+  if (kind == AccessKind::fetch) {
+    if (described && route_.zeros != nullptr) note_zeros(address);
+    return;
+  }
   const bool is_store = kind == AccessKind::store;
-  const bool described =
-      result.ok && route_.target != nullptr && (is_store ? early_.taken : steady_.ahead) &&
-      route_.is_whole(port(address, kind).operator->()) && route_.cycles == result.wait_cycles;
-  routes_.note(address, payload_.get_data_length(), is_store, described ? &route_ : nullptr);
+  const bool may_be_ahead = route_.target != nullptr && (is_store ? early_.taken : steady_.ahead);
+  routes_.note(address, payload_.get_data_length(), is_store,
+               described && may_be_ahead ? &route_ : nullptr);
 }
 
-void BusAccess::note_zeros(const Result& result, uint32_t address) {
-  const Port& from = port(address, AccessKind::fetch);
-  if (!result.ok || route_.zeros == nullptr || !route_.is_whole(from.operator->()) ||
-      route_.cycles != result.wait_cycles)
-    return;
+void BusAccess::note_zeros(uint32_t address) {
   // A window may reach past the Code region, where another port serves.
   const Range part = part_around(address);
   zeros_ = {route_.zeros, route_.transfers, std::max(route_.first, part.first),

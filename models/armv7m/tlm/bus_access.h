@@ -119,7 +119,7 @@ class BusAccess {
   unsigned send(uint32_t address, AccessKind kind, bool ahead);
   const DirectRoutes::Route* route(uint32_t address, unsigned size, bool write) const;
   void note_route(const Result& result, uint32_t address, AccessKind kind);
-  void note_zeros(const Result& result, uint32_t address);
+  void note_zeros(uint32_t address);
   bool map_if_memory(uint32_t address, AccessKind kind);
   bool map_granted(uint32_t address, AccessKind kind, tlm::tlm_command command);
   void map(uint32_t address, const tlm::tlm_dmi& memory);

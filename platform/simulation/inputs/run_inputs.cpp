@@ -109,8 +109,8 @@ void add_names(const std::filesystem::path& folder, const std::filesystem::path&
       names.push_back(printable(shown(each->path()).string(), 200));
 }
 
-/// The names nearest to a program that is not there: of the files in its folder, and without a
-/// folder of the programs that come with capsoc.
+/// The names nearest to a program that is not there: of the files in its folder; without a folder,
+/// of the programs that come with capsoc and of those in the present one.
 std::string names_near(const std::filesystem::path& program) {
   using Path = std::filesystem::path;
   std::vector<std::string> known;

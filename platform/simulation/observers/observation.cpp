@@ -27,8 +27,9 @@ Observation::Observation(soc::Soc& soc, const RunInputs& inputs, bool on_termina
       metrics_(inputs.make_metrics()),
       match_(inputs.sensor_file, inputs.source->description(), inputs.recorded_speed,
              [this](const std::string& sentence) { warn(sentence); }),
-      progress_(on_terminal),
-      several_(inputs) {}
+      progress_(on_terminal) {
+  if (!inputs.further_sensors.empty()) several_.emplace(inputs);
+}
 
 void Observation::warn(const std::string& sentence) {
   spdlog::warn("{}", sentence);
@@ -41,13 +42,13 @@ std::optional<Error> Observation::open() {
   // Its edge comes before the next sample, so the truth is still this sample's.
   submissions_ = soc_.coprocessor.samples.listen([this](uint64_t, bool latched, uint64_t number) {
     if (!latched) return;
-    if (!is_alone()) return several_.taken(number, channel_, truth_);
+    if (!is_alone()) return several_->taken(number, channel_, truth_);
     metrics_.accepted(truth_);
     take(number);
   });
   results_ = soc_.coprocessor.results.listen(
       [this](uint64_t, const coprocessor::Nodes& nodes, uint64_t number) {
-        if (!is_alone()) return several_.result(nodes, number);
+        if (!is_alone()) return several_->result(nodes, number);
         result(nodes, number);
       });
   conversions_ =
@@ -92,7 +93,7 @@ std::optional<peripherals::AdcInput> Observation::next(uint64_t k, double t) {
     for (const RunInputs::FurtherSensor& further : inputs_.further_sensors)
       further.source->rewind();
     metrics_.dropped_all();
-    several_.restarted();
+    if (several_) several_->restarted();
     match_.restarted();
     lose(on_the_way_.size());
   }
@@ -139,16 +140,11 @@ void Observation::watch_sampling(uint32_t control) {
 void Observation::result(const coprocessor::Nodes& nodes, uint64_t number) {
   // The observer runs in the cycle of the result, before the firmware can have changed the mode.
   const uint32_t control = soc_.coprocessor.peek(cop::CTRL_offset);
-  metrics::CoprocessorResult r;
-  r.angle = static_cast<uint32_t>(nodes.angle);
-  r.angle_valid = (nodes.status & cop::STATUS_VALID_mask) != 0;
+  metrics::CoprocessorResult r = result_of(nodes);
   r.demodulating = (control & cop::CTRL_DEMOD_mask) != 0;
   const uint32_t reference = (control & cop::CTRL_REF_mask) >> cop::CTRL_REF_shift;
   r.numeric_reference = reference == cop::CTRL_REF_numeric;
   r.correcting = (control & cop::CTRL_CORRECT_mask) != 0;
-  r.words = {static_cast<int32_t>(nodes.a1),    static_cast<int32_t>(nodes.a2),
-             static_cast<int32_t>(nodes.b1),    static_cast<int32_t>(nodes.b2),
-             static_cast<uint32_t>(nodes.beta), static_cast<uint32_t>(nodes.phi)};
   metrics_.result(r);
   watch_sampling(control);
   give(number, r, nodes);
@@ -198,8 +194,8 @@ void Observation::visit(Archive& archive) {
   archive("sensor_match", match_);
   archive("sensor_warnings", warnings_);
   if (is_alone()) return;
-  archive("channel", channel_);
-  archive("several", several_);
+  archive.at_most("channel", channel_, static_cast<unsigned>(inputs_.further_sensors.size()));
+  archive("several", *several_);
 }
 
 /// No result comes any more.
@@ -213,7 +209,7 @@ void Observation::close(RunResult& result) {
 }
 
 void Observation::finish(RunResult& result) {
-  if (!is_alone()) result.sensors = several_.results();
+  if (!is_alone()) result.sensors = several_->results();
   result.errors = metrics_.angle_errors();
   result.samples = metrics_.samples();
   result.convergence = metrics_.convergence();

@@ -55,7 +55,7 @@ class Observation final : public RunObserver {
   std::optional<peripherals::AdcInput> next(uint64_t k, double t);
   std::optional<peripherals::AdcInput> next_of(unsigned channel, uint64_t k, double t);
   /// With several sensors the metrics are those of `several_`.
-  bool is_alone() const { return inputs_.further_sensors.empty(); }
+  bool is_alone() const { return !several_; }
   void result(const coprocessor::Nodes& nodes, uint64_t number);
   void watch_sampling(uint32_t control);
   double sensor_time(uint64_t k, double t) const;
@@ -71,7 +71,7 @@ class Observation final : public RunObserver {
   Progress progress_;
   metrics::SensorTruth truth_;  ///< of the newest sample
   unsigned channel_ = 0;        ///< ditto
-  SensorsObservation several_;
+  std::optional<SensorsObservation> several_;
   uint64_t number_ = 0;            ///< of the newest sample
   Sample newest_;                  ///< of the front-end
   std::optional<double> since_s_;  ///< the first sample that the coprocessor took

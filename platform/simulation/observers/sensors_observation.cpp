@@ -14,6 +14,16 @@ constexpr std::size_t most_taken = coprocessor::most_channels + coprocessor::sta
 
 }  // namespace
 
+metrics::CoprocessorResult result_of(const coprocessor::Nodes& nodes) {
+  metrics::CoprocessorResult r;
+  r.angle = static_cast<uint32_t>(nodes.angle);
+  r.angle_valid = (nodes.status & registers::coprocessor::STATUS_VALID_mask) != 0;
+  r.words = {static_cast<int32_t>(nodes.a1),    static_cast<int32_t>(nodes.a2),
+             static_cast<int32_t>(nodes.b1),    static_cast<int32_t>(nodes.b2),
+             static_cast<uint32_t>(nodes.beta), static_cast<uint32_t>(nodes.phi)};
+  return r;
+}
+
 SensorsObservation::SensorsObservation(const RunInputs& inputs) : inputs_(inputs) {
   for (metrics::Metrics& each : inputs.metrics_of_each()) sensors_.push_back({std::move(each)});
 }
@@ -30,14 +40,9 @@ void SensorsObservation::result(const coprocessor::Nodes& nodes, uint64_t number
                                  [number](const Sample& each) { return each.number == number; });
   if (mine == on_the_way_.end()) return;  // software wrote it
   Sensor& sensor = sensors_.at(mine->channel);
-  metrics::CoprocessorResult r;
-  r.angle = static_cast<uint32_t>(nodes.angle);
-  r.angle_valid = (nodes.status & registers::coprocessor::STATUS_VALID_mask) != 0;
+  metrics::CoprocessorResult r = result_of(nodes);
   r.demodulating = true;        // as far as is known: a turn of angles is kept
   r.numeric_reference = false;  // phi has nothing to be compared with
-  r.words = {static_cast<int32_t>(nodes.a1),    static_cast<int32_t>(nodes.a2),
-             static_cast<int32_t>(nodes.b1),    static_cast<int32_t>(nodes.b2),
-             static_cast<uint32_t>(nodes.beta), static_cast<uint32_t>(nodes.phi)};
   sensor.metrics.accepted(mine->truth);
   sensor.metrics.result(r);
   sensor.valid += r.angle_valid ? 1 : 0;

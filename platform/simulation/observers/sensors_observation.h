@@ -14,6 +14,9 @@
 
 namespace capsoc::run {
 
+/// What the nodes say of a result: the angle, whether it is valid, and the parameters.
+metrics::CoprocessorResult result_of(const coprocessor::Nodes& nodes);
+
 /// Angle errors and parameters by channel. The mode of a channel is in registers that only the
 /// program can open (CHANNEL.WINDOW), so the errors are those of all angles with VALID.
 class SensorsObservation {
