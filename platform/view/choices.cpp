@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <set>
 #include <utility>
 
 #include "base/nearest.h"
@@ -53,13 +52,7 @@ void Choices::add(const std::string& path, const std::string& name) {
 
 /// Its programs by name, with or without their ending.
 void Choices::add_folder(const std::string& folder, bool has_ending) {
-  std::set<std::filesystem::path> files;
-  std::error_code error;
-  for (std::filesystem::directory_iterator each(folder, error), end; !error && each != end;
-       each.increment(error))
-    if (each->path().extension() == ending && each->is_regular_file(error))
-      files.insert(each->path());
-  for (const std::filesystem::path& file : files)
+  for (const std::filesystem::path& file : host::files_in(folder, ending))
     add(file.string(), (has_ending ? file.filename() : file.stem()).string());
 }
 

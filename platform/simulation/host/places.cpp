@@ -1,5 +1,6 @@
 #include "host/places.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <initializer_list>
 
@@ -39,6 +40,17 @@ std::string data_path(const std::string& relative) {
 
 std::string library_path(const std::string& name) {
   return found(name, {"", CAPSOC_LIBRARIES_FROM_PROGRAM, "..", "../..", "../../.."});
+}
+
+std::vector<fs::path> files_in(const fs::path& folder, const fs::path& ending) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (fs::directory_iterator each(folder, error), end; !error && each != end;
+       each.increment(error))
+    if (each->path().extension() == ending && each->is_regular_file(error))
+      files.push_back(each->path());
+  std::sort(files.begin(), files.end());
+  return files;
 }
 
 }  // namespace capsoc::host

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <functional>
 
 #include "base/nearest.h"
 #include "base/number.h"
@@ -97,33 +96,21 @@ std::optional<Error> open_further_sensors(const SensorSettings& settings,
   return std::nullopt;
 }
 
-/// Adds the names of a folder's files with an ending, as `shown` has them.
-void add_names(const std::filesystem::path& folder, const std::filesystem::path& ending,
-               const std::function<std::filesystem::path(const std::filesystem::path&)>& shown,
-               std::vector<std::string>& names) {
-  constexpr std::size_t enough = 1000;
-  std::error_code none;
-  for (std::filesystem::directory_iterator each(folder, none), end;
-       !none && each != end && names.size() < enough; each.increment(none))
-    if (each->path().extension() == ending)
-      names.push_back(printable(shown(each->path()).string(), 200));
-}
-
 /// The names nearest to a program that is not there: of the files in its folder; without a folder,
 /// of the programs that come with capsoc and of those in the present one.
 std::string names_near(const std::filesystem::path& program) {
-  using Path = std::filesystem::path;
+  constexpr std::size_t enough = 1000;
   std::vector<std::string> known;
   if (program.has_parent_path()) {
-    add_names(
-        program.parent_path(), program.extension(), [](const Path& p) { return p; }, known);
+    for (const auto& file : host::files_in(program.parent_path(), program.extension()))
+      known.push_back(file.string());
   } else {
-    add_names(
-        host::data_path("firmware"), ".elf", [](const Path& p) { return p.stem(); }, known);
-    add_names(
-        ".", ".elf", [](const Path& p) { return p.filename(); }, known);
+    for (const auto& file : host::files_in(host::data_path("firmware"), ".elf"))
+      known.push_back(file.stem().string());
+    for (const auto& file : host::files_in(".", ".elf")) known.push_back(file.filename().string());
   }
-  std::sort(known.begin(), known.end());
+  known.resize(std::min(known.size(), enough));
+  for (std::string& name : known) name = printable(name, 200);
   return nearest_names(program.string().substr(0, 200), std::move(known));
 }
 
