@@ -27,6 +27,7 @@ from pathlib import Path
 
 from capsoc_tools.faults import planting
 from capsoc_tools.rtl.sources import DESIGN, RTL, RtlError, generate, read_list
+from capsoc_tools.rtl.yosys_types import readable
 
 PROOFS = RTL / "formal" / "proofs.toml"
 
@@ -111,7 +112,8 @@ def freeze_all_registers(netlist, top, quiet):
 
 def translate(proof, folder, names):
     top = proof["top"]
-    read = f"read_verilog -sv -formal -D FORMAL {' '.join(names)}; "
+    files = " ".join(str(file.relative_to(folder)) for file in readable([folder / name for name in names], folder))
+    read = f"read_verilog -sv -formal -D FORMAL {files}; "
     for parameter, value in proof.get("parameters", {}).items():
         read += f"chparam -set {parameter} {value} {top}; "
     prepare = PREPARE.format(top=top)

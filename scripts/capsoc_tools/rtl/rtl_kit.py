@@ -31,6 +31,7 @@ from capsoc_tools.generate.registers import read_device
 from capsoc_tools.rtl.ip_xact import LICENCE, PERIPHERAL, Bus, Top, ip_xact_text
 from capsoc_tools.rtl.prefix import file_name, prefixed, shared_names, with_prefix
 from capsoc_tools.rtl.sources import REGISTERS, RTL, WRAPPERS, RtlError, read_list, sources
+from capsoc_tools.rtl.yosys_types import readable
 
 CORE, LIST = "capsoc_coprocessor.core", "capsoc_coprocessor.f"
 REFERENCE = ROOT / "platform" / "reference"
@@ -175,21 +176,21 @@ def write_verilog(folder, names):
     (folder / "verilog").mkdir(exist_ok=True)
     for paper, arithmetic in enumerate(("precise", "paper")):
         top = f"{prefixed('coprocessor')}_{arithmetic}"
-        file = folder / "verilog" / f"{top}.v"
-        script = f"read_verilog -sv {' '.join(names)}; chparam -set Paper {paper} {prefixed('coprocessor')}; "
-        script += f"hierarchy -check -top {prefixed('coprocessor')}; proc; opt_clean; rename -top {top}; "
         with tempfile.TemporaryDirectory() as made:
-            made = Path(made) / "top.v"
+            netlist = Path(made) / "top.v"
             try:
-                done = subprocess.run(
-                    ["yosys", "-q", "-p", f"{script} write_verilog -noattr {made}"],
-                    cwd=folder, capture_output=True, text=True, check=False,
-                )  # fmt: skip
+                files = " ".join(map(str, readable([folder / name for name in names], made)))
+                script = f"read_verilog -sv {files}; chparam -set Paper {paper} {prefixed('coprocessor')}; "
+                script += f"hierarchy -check -top {prefixed('coprocessor')}; proc; opt_clean; rename -top {top}; "
+                command = ["yosys", "-q", "-p", f"{script} write_verilog -noattr {netlist}"]
+                done = subprocess.run(command, capture_output=True, text=True, check=False)
             except FileNotFoundError as error:
                 raise RtlError("--verilog: yosys is missing; install the package yosys") from error
             if done.returncode:
                 raise RtlError(f"yosys failed: {(done.stderr or done.stdout).strip()}")
-            write_if_changed(file, f"// {LICENCE}\n" + plain_names(made.read_text(encoding="utf-8")))
+            write_if_changed(
+                folder / "verilog" / f"{top}.v", f"// {LICENCE}\n" + plain_names(netlist.read_text("utf-8"))
+            )
 
 
 def plain_names(text):

@@ -7,6 +7,7 @@ import subprocess
 from pathlib import Path
 
 from capsoc_tools.rtl import sources as rtl_sources
+from capsoc_tools.rtl.yosys_types import readable
 
 ROOT = rtl_sources.ROOT
 RTL = rtl_sources.RTL
@@ -96,7 +97,7 @@ def synthesise(sources, parameters, folder, flatten, top=TOP, hide=True):
     (folder / "flip_flop.v").write_text(FLIP_FLOP)
     (folder / "dsp_map.v").write_text("".join(DSP_CELL.format(width=width) for width, _ in DSP_RULES))
     (folder / "add_subtract.sv").write_text(ADD_SUBTRACT)
-    mapped = [path for path in sources if Path(path).name != "add_subtract.sv"]
+    mapped = [str(path) for path in readable(sources, folder) if Path(path).name != "add_subtract.sv"]
     name = "flat" if flatten else "units"
     flow = f"synth_intel_alm -family cyclonev -noiopad -noclkbuf -nodsp -top {top}"
     script = [

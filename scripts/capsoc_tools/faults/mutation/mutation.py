@@ -19,6 +19,7 @@ from capsoc_tools.faults.mutation import equivalence
 
 from capsoc_tools import ROOT
 from capsoc_tools.rtl import sources as rtl_sources
+from capsoc_tools.rtl.yosys_types import readable
 
 HERE = Path(__file__).resolve().parent
 LEAST_PERCENT = 95.0
@@ -57,8 +58,8 @@ def sources(folder, rtl):
         raise MutationError(str(error)) from error
 
 
-def read_commands(files, arithmetic):
-    names = " ".join(str(file) for file in files)
+def read_commands(files, arithmetic, folder):
+    names = " ".join(map(str, readable(files, folder)))
     return [
         f"read_verilog -sv {names}",
         f"hierarchy -check -top coprocessor -chparam Paper {int(arithmetic == 'paper')}",
@@ -72,7 +73,7 @@ def read_commands(files, arithmetic):
 def write_netlist(files, arithmetic, arguments, folder):
     """All mutants in folder/mutants.v and mutants.aag; the list in folder/mutants.txt."""
     listing, script = folder / "mutants.txt", folder / "mutants.ys"
-    commands = read_commands(files, arithmetic)
+    commands = read_commands(files, arithmetic, folder)
     commands += [
         f"mutate -list {arguments.mutants} -seed {arguments.seed} -ctrl mutant 16 1 -o {listing} "
         "t:* t:$meminit* %d",  # a table's words are constants; tests/faults/regression.toml has some
