@@ -12,8 +12,8 @@ A specialised edge is what Verilator evaluates at it, rising and falling, after 
 the registers (Verilator's settling, `stl`). What settling assigns is a function of registers and inputs, so it is a
 local variable here, and what no register needs of it is not computed.
 
-The output defines what edges.h declares. If the code does not have the form of Verilator 5.006, for which this script
-was written, the tables are empty, with a warning: RTL then runs without specialised edges, only slower.
+The output defines what edges.h declares. If the code has not the form of Verilator 5.006 or of 5.032, for which this
+script was written, the tables are empty, with a warning: RTL then runs without specialised edges, only slower.
 """
 
 import re
@@ -39,11 +39,29 @@ PORT = re.compile(r"^\s*VL_(IN|OUT)(8|16|64|)\((\w+),", re.M)
 ASSIGNED = re.compile(r"vlSelf->(\w+)\s*(?:\[[^]=]*\]\s*)*=(?!=)")
 # A function that writes a wide word is a statement, its result the first argument after the numbers.
 ASSIGNED_WIDE = re.compile(r"(?:^|[;{}])\s*VL_\w+\((?:\s*\d+,)*\s*vlSelf->(\w+)", re.M)
-NOISE = ("VL_DEBUG_IF", "Prevent unused", "vlSymsp VL_ATTR_UNUSED")
+NOISE = ("VL_DEBUG_IF", "Prevent unused", "vlSymsp VL_ATTR_UNUSED", "vlSelfRef = std::ref")
+# `if (triggers) {` calls of functions, and notes for the writer of waves `}`
+EVALUATED = re.compile(r"^    if \(([^{}]*?)\) \{\n(.*?)\n    \}$", re.M | re.S)
+CALL = re.compile(r"\w+__(_nba_\w+)\(vlSelf\);")
+WAVES = re.compile(r"vlSelf->__Vm_traceActivity\[\w+\] = 1U;")
 
 
 class UnknownForm(Exception):
     """What is missing in Verilator's code."""
+
+
+def in_old_form(text):
+    """Code of Verilator 5.032 as 5.006 writes it; what 5.006 wrote as it is."""
+
+    def triggers(masked):
+        bits = int(masked[1], 0)
+        names = [f"{masked[2]}.at({bit}U)" for bit in range(bits.bit_length()) if bits >> bit & 1]
+        return f"({' | '.join(names)})"
+
+    text = text.replace("vlSelfRef.", "vlSelf->")
+    text = re.sub(r"(vlSelf->__VactTriggered)\.set\((\d+)U, (.*?)\);\n", r"\1.at(\2U) = \3;\n", text, flags=re.S)
+    text = re.sub(r"\((\w+?)ULL\s*&\s*(vlSelf->__V\w+Triggered)\s*\.word\(0U\)\)", triggers, text)
+    return re.sub(r"__Vtrigprevexpr___TOP__(\w+?)__0\b", r"__Vtrigrprev__TOP__\1", text)
 
 
 class Verilated:
@@ -52,7 +70,7 @@ class Verilated:
     def __init__(self, folder):
         self.folder = folder
         header = (folder / f"{TOP}.h").read_text()
-        text = "\n".join(path.read_text() for path in sorted(folder.glob(f"{TOP}__DepSet_*.cpp")))
+        text = in_old_form("\n".join(path.read_text() for path in sorted(folder.glob(f"{TOP}__DepSet_*.cpp"))))
         self.functions = dict(FUNCTION.findall(text))
         self.types = {name: kind for kind, name in FIELD.findall(header)}
         self.outputs = []
@@ -66,11 +84,14 @@ class Verilated:
         self.triggers = re.findall(
             r"vlSelf->__VactTriggered\.at\((\d+)U\) = (.*?);", self.function("_eval_triggers__act"), re.S
         )
-        self.order = re.findall(r"if \(([^{}]*?)\) \{\s*\w+__(_nba_\w+)\(vlSelf\);", self.function("_eval_nba"))
+        self.order = []  # (triggers, function)
+        for condition, block in EVALUATED.findall(self.function("_eval_nba")):
+            self.order += [(condition, name) for name in CALL.findall(block)]
+            if WAVES.sub("", CALL.sub("", block)).strip():
+                raise UnknownForm("a block of evaluation that does more than call functions")
         if not self.settling or not self.triggers or not self.order:
             raise UnknownForm("no functions that settle, trigger or evaluate")
-        calls = re.findall(r"__(_nba_\w+)\(vlSelf\);", self.function("_eval_nba"))
-        if calls != [name for _, name in self.order]:
+        if CALL.findall(self.function("_eval_nba")) != [name for _, name in self.order]:
             raise UnknownForm("an order of evaluation that is no list of functions after triggers")
 
     def function(self, name):
