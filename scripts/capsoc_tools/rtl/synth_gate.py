@@ -88,9 +88,10 @@ def build_program(source, parts, includes, folder):
     return program
 
 
-def gate(sources, parameters, folder, samples, seed):
-    """Netlist against RTL with these parameters; the program's last lines and its verdict."""
-    verilate(f"{TOP}_netlist", [str(folder / "netlist.v"), *techlib_cells(folder)], folder, [])
+def gate(sources, parameters, folder, samples, seed, cells=None):
+    """folder/netlist.v against RTL with these parameters; the program's last lines and its verdict. cells: files with
+    the simulation models of the netlist's cells, in place of those of Cyclone V."""
+    verilate(f"{TOP}_netlist", [str(folder / "netlist.v"), *(cells or techlib_cells(folder))], folder, [])
     verilate(TOP, sources, folder, [f"-G{name}={value}" for name, value in parameters.items()])
     program = build_program(GATE, [folder / TOP, folder / f"{TOP}_netlist"], [], folder)
     channels = parameters.get("Channels", 1)
