@@ -466,6 +466,7 @@ class Tables(ScriptingCase):
             ("[]", "is not a JSON object"),
             ("{", "is not a JSON object"),
             ("{}", "has neither precise nor paper"),
+            ('{"channels": 4, "precise": {"area": {"alm": 1, "registers": 2, "dsp": 3}}}', "is of several channels"),
             ('{"paper": {"area": {"alm": 1}}}', "paper.area has no numbers"),
             ('{"paper": {"area": {"alm": -1, "registers": 2, "dsp": 3}}}', "paper.area has no numbers"),
         ):

@@ -87,6 +87,8 @@ Result<Synthesis> read_synthesis(const std::string& path) {
   if (!read) return Error{read.error()};
   const json parsed = json::parse(read.value(), nullptr, false);
   if (!parsed.is_object()) return not_a_synthesis(path, "is not a JSON object");
+  if (const auto channels = parsed.find("channels"); channels != parsed.end() && *channels != 1)
+    return not_a_synthesis(path, "is of several channels, where the paper has one sensor");
   Synthesis synthesis;
   for (const char* arithmetic : {"precise", "paper", "two-clocks"}) {
     const auto found = parsed.find(arithmetic);

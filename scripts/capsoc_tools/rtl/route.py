@@ -14,7 +14,7 @@ coprocessor alone has no input and output buffers. Debian 12 has no nextpnr-ecp5
 --device      default 25k, the LFE5U-25F in the package CABGA381, and 85k for `paper`, which needs more multipliers
 --seed        of the first placement; default 1
 --seeds       placements, each with the next seed; default 1. The table has the median, the lowest and the highest clock
---no-gate     leaves out the simulation of the netlist beside the RTL
+--no-gate     leaves out the simulation of the netlist
 --xilinx      cells of synth_xilinx for the 7 series, too; they are not placed
 --json        the figures as JSON
 --work        where netlists, logs, reports and the bitstream go; default build/route

@@ -208,7 +208,9 @@ def main():
         print(f"synth: {error}", file=sys.stderr)
         return 2
     if arguments.json:
-        Path(arguments.json).write_text(json.dumps({"table_7": TABLE_7, **results}, indent=2) + "\n")
+        Path(arguments.json).write_text(
+            json.dumps({"table_7": TABLE_7, "channels": arguments.channels, **results}, indent=2) + "\n"
+        )
     return 0 if passed else 1
 
 

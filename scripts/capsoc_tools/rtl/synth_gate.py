@@ -129,8 +129,9 @@ endmodule
 """
 
 
-def unit_gate(unit, sources, folder, samples):
-    """Netlist of one unit against its RTL in Icarus. Bits that the RTL does not know yet do not count."""
+def unit_gate(unit, sources, folder, samples, cells=None):
+    """folder/netlist.v of one unit against its RTL in Icarus. Bits that the RTL does not know yet do not count. cells:
+    as in gate()."""
     text = (folder / "netlist.v").read_text()
     ports = re.findall(r"^  (input|output) (?:\[(\d+):0\] )?(\w+);", text, re.M)
     declarations, inputs, compares, sides = [], [], [], {"rtl": [], "netlist": []}
@@ -171,7 +172,7 @@ def unit_gate(unit, sources, folder, samples):
             str(program),
             str(folder / "bench.v"),
             str(folder / "netlist.v"),
-            *techlib_cells(folder),
+            *(cells or techlib_cells(folder)),
             *sources,
         ],
         folder / "bench.log",
