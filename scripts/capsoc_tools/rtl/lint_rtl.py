@@ -4,8 +4,8 @@ usage: lint_rtl [-h]
 
 verilator --lint-only -Wall and yosys for the top in both arithmetics, with two clocks an iteration and with several
 channels, iverilog -g2012 -Wall (compile only); verilator for the probe with its nodes, too. The same three for the
-tops of rtl/wrappers; of them, yosys also says whether a path leads from an input to an output of the bus. Status 0:
-silence; 1: the messages are printed; 2: a tool is missing.
+tops of rtl/wrappers; of them, yosys also says whether a path leads from an input to an output of the bus. And the same
+three for the tops of rtl/board. Status 0: silence; 1: the messages are printed; 2: a tool is missing.
 """
 
 import functools
@@ -16,7 +16,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from capsoc_tools.rtl.sources import DESIGN, PROBE, ROOT, RTL, WRAPPERS, RtlError, generate, read_list
+from capsoc_tools.rtl.sources import BOARD, DESIGN, PROBE, ROOT, RTL, WRAPPERS, RtlError, generate, read_list
 from capsoc_tools.rtl.yosys_types import readable
 
 WAIVERS = RTL / "lint" / "verilator.vlt"
@@ -35,6 +35,8 @@ WRAPPER_TOPS = {
     "capsoc_coprocessor_ahb_lite": (3, "o:hreadyout_o o:hresp_o o:hrdata_o"),
     "capsoc_coprocessor_axi4_lite": (8, "o:awready_o o:wready_o o:b*_o o:arready_o o:r*_o"),
 }
+# The tops of rtl/board: no output may depend on a pin without a register between.
+BOARD_TOPS = ("capsoc_board_ulx3s",)
 
 # What the tools say that is no finding:
 # - Icarus 11, of every constant bit select in always_comb: the process is then sensitive to the whole vector. That
@@ -111,18 +113,28 @@ def checks(files, probe, folder):
         )
 
 
-def wrapper_checks(files, folder):
-    """The arithmetic is inside and read above: one of them is enough."""
+def around_checks(top, files, folder, outputs):
+    """A top around the design. The arithmetic is inside and read above: one of them is enough. Registers alone must
+    determine what the selection `outputs` of yosys names."""
     names = [str(path) for path in files]
+    verilator = ["verilator", "--lint-only", "-Wall", "--top-module", top, str(WAIVERS), *names]
+    yield f"verilator, {top}", verilator
     for_yosys = " ".join(map(str, readable(files, folder)))
+    script = f"read_verilog -sv {for_yosys}; hierarchy -check -top {top}; proc; check -assert; flatten; "
+    script += f"opt_clean; {outputs}; select -assert-none @outputs %ci*:-$dff:-$adff i:* %i"
+    yield f"yosys, {top}", ["yosys", "-q", "-p", script]
+    yield f"iverilog, {top}", ["iverilog", "-g2012", "-Wall", "-s", top, "-t", "null", *names]
+
+
+def wrapper_checks(files, folder):
     for top, (count, outputs) in WRAPPER_TOPS.items():
-        verilator = ["verilator", "--lint-only", "-Wall", "--top-module", top, str(WAIVERS), *names]
-        yield f"verilator, {top}", verilator
-        script = f"read_verilog -sv {for_yosys}; hierarchy -check -top {top}; proc; check -assert; flatten; "
-        script += f"opt_clean; select -set outputs {outputs}; select -assert-count {count} @outputs; "
-        script += "select -assert-none @outputs %ci*:-$dff:-$adff i:* %i"
-        yield f"yosys, {top}", ["yosys", "-q", "-p", script]
-        yield f"iverilog, {top}", ["iverilog", "-g2012", "-Wall", "-s", top, "-t", "null", *names]
+        selection = f"select -set outputs {outputs}; select -assert-count {count} @outputs"
+        yield from around_checks(top, files, folder, selection)
+
+
+def board_checks(files, folder):
+    for top in BOARD_TOPS:
+        yield from around_checks(top, files, folder, "select -set outputs o:*")
 
 
 def main(arguments):
@@ -142,7 +154,8 @@ def main(arguments):
             print(f"lint_rtl: {error}", file=sys.stderr)
             return 2
         wrapped = wrapper_checks([*files, *read_list(RTL / WRAPPERS)], folder)
-        for name, command in (*checks(files, probe, folder), *wrapped):
+        board = board_checks([*files, *read_list(RTL / BOARD)], folder)
+        for name, command in (*checks(files, probe, folder), *wrapped, *board):
             lines = said(command)
             print(f"{name}: {len(lines)} lines" if lines else f"{name}: clean")
             print("".join(f"  {line}\n" for line in lines), end="")

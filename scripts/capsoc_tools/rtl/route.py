@@ -38,7 +38,7 @@ from capsoc_tools.rtl.synth_gate import gate
 from capsoc_tools.rtl.yosys_types import readable
 
 BOARD_TOP = "capsoc_board_ulx3s"
-BOARD_LIST = RTL / "board.f"
+BOARD_LIST = RTL / rtl_sources.BOARD
 BOARD_PINS = RTL / "board" / "ulx3s.lpf"
 PACKAGE = "CABGA381"
 DEVICES = {"precise": "25k", "safety": "25k", "paper": "85k", "two-clocks": "85k"}

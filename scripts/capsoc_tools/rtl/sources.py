@@ -1,6 +1,7 @@
 """The coprocessor's SystemVerilog in the order in which tools read it.
 
-rtl/coprocessor.f lists the design, rtl/wrappers.f its tops for other buses, rtl/probe.f the probe around it.
+rtl/coprocessor.f lists the design, rtl/wrappers.f its tops for other buses, rtl/board.f its tops for FPGA boards,
+rtl/probe.f the probe around it.
 cmake/rtl_list.cmake is the reader for CMake.
 """
 
@@ -14,6 +15,7 @@ TOOL = ROOT / "scripts" / "tool"
 DESIGN = "coprocessor.f"
 PROBE = "probe.f"
 WRAPPERS = "wrappers.f"
+BOARD = "board.f"
 REGISTERS = ROOT / "models" / "registers" / "capsoc.svd"
 NODES = ROOT / "models" / "coprocessor" / "nodes.def"
 
