@@ -13,7 +13,8 @@
 //
 // A pair takes four frames, with the commands U, V, Rest, Rest. Rest is a channel between pairs, so that an old result is
 // told by its number. The answers after the first frame have to be U, V, Rest; or Rest, U, V, if the converter answers
-// a frame later. Any other number makes refused_o 1 and gives no sample. After a reset two frames reset the converter.
+// a frame later. Any other number makes refused_o 1 and gives no sample. After a reset two frames
+// reset the converter, and a third selects Rest.
 module capsoc_adc_max11125 #(
   parameter int SampleClocks = 100000,  // clocks between two pairs; below Least it is Least
   parameter int HalfClocks   = 2,       // clocks of half a period of SCLK: at 25 MHz and 2, 6.25 MHz; at least 1
@@ -40,10 +41,10 @@ module capsoc_adc_max11125 #(
   localparam logic [5:0] CsRises  = 6'd33;
   localparam logic [5:0] LastHalf = 6'd35;
   // Frames
-  localparam logic [2:0] SecondReset = 3'd1;
-  localparam logic [2:0] First       = 3'd2;  // of a pair
-  localparam logic [2:0] Last        = 3'd5;
-  localparam logic [2:0] Waiting     = 3'd6;
+  localparam logic [2:0] Settle  = 3'd2;  // after two that reset; its answer counts for nothing
+  localparam logic [2:0] First   = 3'd3;  // of a pair
+  localparam logic [2:0] Last    = 3'd6;
+  localparam logic [2:0] Waiting = 3'd7;
 
   localparam int Least = 4 * 36 * HalfClocks + 2;
   localparam int Period = SampleClocks < Least ? Least : SampleClocks;
@@ -73,11 +74,10 @@ module capsoc_adc_max11125 #(
   // The command of the frame that begins
   always_comb begin
     case (frame_q)
-      First:   command = {1'b0, 4'd1, U, 2'd0, 2'd0, 1'b1, 1'b1, 1'b0};
-      3'd3:    command = {1'b0, 4'd1, V, 2'd0, 2'd0, 1'b1, 1'b1, 1'b0};
-      3'd4:    command = {1'b0, 4'd1, Rest, 2'd0, 2'd0, 1'b1, 1'b1, 1'b0};
-      Last:    command = {1'b0, 4'd1, Rest, 2'd0, 2'd0, 1'b1, 1'b1, 1'b0};
-      default: command = {1'b0, 4'd0, 4'd0, 2'b10, 2'd0, 1'b0, 1'b0, 1'b0};  // resets all registers
+      3'd0, 3'd1: command = {1'b0, 4'd0, 4'd0, 2'b10, 2'd0, 1'b0, 1'b0, 1'b0};  // resets all registers
+      First:      command = {1'b0, 4'd1, U, 2'd0, 2'd0, 1'b1, 1'b1, 1'b0};
+      3'd4:       command = {1'b0, 4'd1, V, 2'd0, 2'd0, 1'b1, 1'b1, 1'b0};
+      default:    command = {1'b0, 4'd1, Rest, 2'd0, 2'd0, 1'b1, 1'b1, 1'b0};
     endcase
   end
 
@@ -99,7 +99,7 @@ module capsoc_adc_max11125 #(
       end else begin
         clocks_q <= half_ends ? '0 : clocks_q + 1'b1;
         if (half_ends) half_q <= frame_ends ? '0 : half_q + 1'b1;
-        if (frame_ends) frame_q <= frame_q == SecondReset || frame_q == Last ? Waiting : frame_q + 1'b1;
+        if (frame_ends) frame_q <= frame_q == Settle || frame_q == Last ? Waiting : frame_q + 1'b1;
         if (clocks_q == '0) begin
           if (half_q == 6'd0) begin
             csn_q     <= 1'b0;
