@@ -2,19 +2,20 @@
 // SPI controller of the converter MAX11125 or MAX11123 (12 bits, single-ended): pairs of samples at a fixed rate.
 // Source: data sheet MAX11120-MAX11128, ADC mode control register and manual (external clock) mode.
 //
-// Latency: sample_valid_o is 144 HalfClocks clocks after the pair begins, which is every SampleClocks clocks. The second
-// signal is taken a frame, 36 HalfClocks clocks, after the first.
-// Formats: a code of 12 bits, offset binary (0: 0 V, 2048: half of the reference), becomes the Q1.31 word (code - 2048) 2^20,
-// as an ideal converter of 12 bits in the model (models/peripherals/quantiser.h). sample_clip_o: a code is 0 or 4095.
+// Latency: sample_valid_o is 144 HalfClocks clocks after the pair begins, which is every SampleClocks clocks.
+// The second signal is taken a frame, 36 HalfClocks clocks, after the first.
+// Formats: a code has 12 bits, offset binary; 0 is 0 V and 2048 half of the reference. Its Q1.31 word is
+// (code - 2048) 2^20, that of an ideal converter of 12 bits in the model (models/peripherals/quantiser.h).
+// sample_clip_o: a code is 0 or 4095.
 //
-// A frame has 16 bits, most significant first, with SCLK idle at 1: both sides change data at its fall and take them at
-// its rise. A command selects the next channel: 0, SCAN = 0001 (manual), CHSEL, RESET, PM = 00, CHAN_ID = 1, SWCNV = 1, 0.
-// An answer is the channel's number (4 bits) and the code (12). It comes one frame after its command.
+// A frame has 16 bits, most significant first, with SCLK idle at 1. Both sides change data at its fall and take them at
+// its rise. A command selects the next channel: 0, SCAN = 0001 (manual), CHSEL, RESET = 00, PM = 00, CHAN_ID = 1,
+// SWCNV = 1, 0. An answer is the channel's number (4 bits) and the code (12). It comes one frame after its command.
 //
-// A pair takes four frames, with the commands U, V, Rest, Rest. Rest is a channel between pairs, so that an old result is
-// told by its number. The answers after the first frame have to be U, V, Rest; or Rest, U, V, if the converter answers
-// a frame later. Any other number makes refused_o 1 and gives no sample. After a reset two frames
-// reset the converter, and a third selects Rest.
+// A pair takes four frames, with the commands U, V, Rest, Rest. Rest is a channel between pairs: its number tells an
+// old result from a new one. The answers after the first frame have to be U, V, Rest; or Rest, U, V, if the converter
+// answers a frame later. Any other number makes refused_o 1 and gives no sample. After a reset two frames reset the
+// converter, and a third selects Rest.
 module capsoc_adc_max11125 #(
   parameter int SampleClocks = 100000,  // clocks between two pairs; below Least it is Least
   parameter int HalfClocks   = 2,       // clocks of half a period of SCLK: at 25 MHz and 2, 6.25 MHz; at least 1

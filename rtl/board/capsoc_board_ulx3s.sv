@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The self-calibration coprocessor on the board ULX3S: its registers at the serial port, its samples from the board's ADC.
+// The self-calibration coprocessor on the board ULX3S: registers at the serial port, samples from the board's ADC.
 //
-// Clock: 25 MHz, the board's oscillator. Reset: the power button, and for two clocks after the configuration, because the
-// ECP5 clears its flip-flops then. Ports have the names of the board's constraints; ulx3s.lpf says the sites.
+// Clock: 25 MHz, the board's oscillator. Reset: the power button, and two clocks after the configuration, which leaves
+// the flip-flops as their reset does. Ports have the names of the board's constraints; ulx3s.lpf says the sites.
 // Latency and formats: capsoc_serial_to_apb.sv (commands), capsoc_adc_max11125.sv (samples), coprocessor.sv (results).
 // The command S returns 31:16 pairs that the ADC's controller refused, 15:0 pairs that it gave; both wrap.
-// LEDs: 0 LOCK, 1 VALID, 2 ALARM, 3 DIVERGED of STATUS; 4 interrupt; 5 changes with every 128th pair;
-// 6 a code was at a rail within the last 255 pairs; 7 a pair was refused since the reset.
+// LEDs 0 to 3 show LOCK, VALID, ALARM and DIVERGED of STATUS, and 4 the interrupt. 5 changes with every 128th pair.
+// 6: a code was at a rail within the last 255 pairs. 7: a pair was refused since the reset.
 module capsoc_board_ulx3s #(
   parameter int ClocksPerBit  = 217,     // of the serial line: 115,200 bit/s
   parameter int QuietClocks   = 262144,  // after which a half command is dropped: 10 ms
@@ -35,7 +35,7 @@ module capsoc_board_ulx3s #(
   output logic       adc_sclk,
   output logic       adc_mosi,
   input  logic       adc_miso,
-  output logic       wifi_gpio0   // 1: the ESP32 leaves the configuration as it is
+  output logic       wifi_gpio0   // 1: the ESP32 does not restart the board
 );
 
   assign wifi_gpio0 = 1'b1;
@@ -59,7 +59,8 @@ module capsoc_board_ulx3s #(
   );
 
   capsoc_serial_transmitter #(.ClocksPerBit(ClocksPerBit)) u_transmitter (
-    .clk_i (clk_25mhz), .rst_ni (rst_n), .valid_i (tx_valid), .data_i (tx_data), .ready_o (tx_ready), .serial_o (ftdi_rxd)
+    .clk_i (clk_25mhz), .rst_ni (rst_n),
+    .valid_i (tx_valid), .data_i (tx_data), .ready_o (tx_ready), .serial_o (ftdi_rxd)
   );
 
   // APB: of the serial port, and with the reads of STATUS among its transfers
@@ -79,8 +80,8 @@ module capsoc_board_ulx3s #(
 
   capsoc_status_reader #(.Interval(StatusClocks)) u_status_reader (
     .clk_i (clk_25mhz), .rst_ni (rst_n),
-    .psel_i (host_psel), .penable_i (host_penable), .pwrite_i (host_pwrite), .paddr_i (host_paddr), .pstrb_i (host_pstrb),
-    .pready_o (host_pready),
+    .psel_i (host_psel), .penable_i (host_penable), .pwrite_i (host_pwrite), .paddr_i (host_paddr),
+    .pstrb_i (host_pstrb), .pready_o (host_pready),
     .psel_o (psel), .penable_o (penable), .pwrite_o (pwrite), .paddr_o (paddr), .pstrb_o (pstrb),
     .pready_i (pready), .prdata_i (prdata), .status_o (status)
   );

@@ -2,7 +2,7 @@
 // Receiver of an asynchronous serial line: one start bit, eight data bits from bit 0 on, no parity, one stop bit (8N1).
 //
 // Latency: a byte or a framing error is out half a bit after the stop bit begins, and two clocks for the synchroniser.
-// Formats: ClocksPerBit is the clock's rate over the line's, at least 4. serial_i is idle at 1 and need not be synchronous.
+// Formats: ClocksPerBit is the clock's rate over the line's, at least 4. serial_i is idle at 1, and asynchronous.
 // Each bit is sampled in its middle. A start bit that is 1 again in its middle is noise, and nothing is received.
 // A stop bit of 0 is a framing error: the byte is lost, and the next start bit counts after the line was 1 again.
 module capsoc_serial_receiver #(

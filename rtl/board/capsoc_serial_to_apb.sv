@@ -138,9 +138,13 @@ module capsoc_serial_to_apb #(
         end
         Access: begin
           if (pready_i) begin
-            answer_q <= pslverr_i ? {"e", NoRegister, 24'd0} : write_q ? {"w", 32'd0} : {"r", prdata_i};
-            left_q   <= pslverr_i ? 3'd2 : write_q ? 3'd1 : 3'd5;
+            answer_q <= write_q ? {"w", 32'd0} : {"r", prdata_i};
+            left_q   <= write_q ? 3'd1 : 3'd5;
             state_q  <= Answer;
+            if (pslverr_i) begin
+              answer_q <= {"e", NoRegister, 24'd0};
+              left_q   <= 3'd2;
+            end
           end
         end
         Answer: begin

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Transmitter of an asynchronous serial line: one start bit, eight data bits from bit 0 on, no parity, one stop bit (8N1).
+// Transmitter of a serial line (8N1): one start bit, eight data bits from bit 0 on, no parity, one stop bit.
 //
 // Latency: the start bit begins at the clock edge that takes the byte; ready_o is 1 again 10 ClocksPerBit clocks later.
 // Formats: ClocksPerBit is the clock's rate over the line's, at least 2. serial_o is a register and idle at 1.

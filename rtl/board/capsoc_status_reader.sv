@@ -67,7 +67,7 @@ module capsoc_status_reader #(
   assign pwrite_o  = reading_q ? 1'b0 : pwrite_i;
   assign paddr_o   = reading_q ? Status : paddr_i;
   assign pstrb_o   = reading_q ? 4'd0 : pstrb_i;
-  assign pready_o  = pready_i && !reading_q && !late_q;
+  assign pready_o  = pready_i && !late_q;  // late_q also in the access phase that meets a read of STATUS
   assign status_o  = status_q;
 
 endmodule

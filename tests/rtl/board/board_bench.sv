@@ -1,12 +1,16 @@
-// The board's top with short times, and with what the bench compares: the transfers that the serial port makes, and the samples.
+// The board's top with short times, and what the bench compares: the transfers of the serial port, and the samples.
 module board_bench (
   input  logic        clk_25mhz, btn_pwrn, ftdi_txd, adc_miso,
   output logic        ftdi_rxd, adc_csn, adc_sclk, adc_mosi, wifi_gpio0,
   output logic [7:0]  led,
   // Inside
-  output logic        access_o, write_o, error_o, sample_valid_o, sample_clip_o, sample_ready_o, refused_o, irq_o, idle_o,
+  output logic        access_o, write_o, error_o, framing_o, sample_valid_o, sample_clip_o, sample_ready_o, refused_o,
+  output logic        irq_o, idle_o,
   output logic [11:0] address_o,
-  output logic [31:0] wdata_o, rdata_o, sample_u_o, sample_v_o
+  output logic [31:0] wdata_o, rdata_o, sample_u_o, sample_v_o,
+  // APB of the coprocessor
+  output logic        psel_o, penable_o, pready_o, pwrite_o,
+  output logic [11:0] paddr_o
 );
 
   capsoc_board_ulx3s #(
@@ -21,6 +25,7 @@ module board_bench (
   assign address_o      = u_board.host_paddr;
   assign wdata_o        = u_board.pwdata;
   assign rdata_o        = u_board.prdata;
+  assign framing_o      = u_board.rx_error;
   assign sample_valid_o = u_board.sample_valid;
   assign sample_clip_o  = u_board.sample_clip;
   assign sample_u_o     = u_board.sample_u;
@@ -29,5 +34,10 @@ module board_bench (
   assign refused_o      = u_board.refused;
   assign irq_o          = u_board.irq;
   assign idle_o         = u_board.u_coprocessor.idle_o;
+  assign psel_o         = u_board.psel;
+  assign penable_o      = u_board.penable;
+  assign pready_o       = u_board.pready;
+  assign pwrite_o       = u_board.pwrite;
+  assign paddr_o        = u_board.paddr;
 
 endmodule

@@ -55,6 +55,8 @@ class Board : public ::testing::TestWithParam<unsigned> {
     for (int i = 0; i < 2; ++i) edge_of_clock();
     follower.emplace(Options{});
     edge = 0;
+    apb = {};
+    samples = refused = framing_errors = 0;
     forget();
   }
 
@@ -142,8 +144,36 @@ class Board : public ::testing::TestWithParam<unsigned> {
     samples += top.sample_valid_o;
     refused += top.refused_o;
     if (top.refused_o) forget();
+    framing_errors += top.framing_o;
+    check_apb();
     edge_of_clock();
     follower->follow(++edge, access, sample, top.irq_o, top.idle_o);
+    EXPECT_EQ(top.led >> 4 & 1, top.irq_o);
+    EXPECT_EQ(top.led >> 5 & 1, samples >> 7 & 1);
+    if (edge > 1'000'000) ADD_FAILURE() << "what a test waits for does not come";
+  }
+
+  // The coprocessor's APB: each transfer has a setup phase, and keeps its address (IHI 0024C, 3.1).
+  void check_apb() {
+    const bool access_phase = apb.selected && !(apb.enabled && apb.ready);
+    EXPECT_EQ(top.penable_o, access_phase) << "edge " << edge;
+    EXPECT_TRUE(top.psel_o || !access_phase) << "edge " << edge;
+    if (access_phase) {
+      EXPECT_EQ(top.paddr_o, apb.address);
+      EXPECT_EQ(top.pwrite_o, apb.write);
+    }
+    apb = {top.psel_o != 0, top.penable_o != 0, top.pready_o != 0, top.pwrite_o != 0, top.paddr_o};
+  }
+
+  // After what is in the pipeline, and a read of STATUS for the LEDs.
+  uint32_t status_of_leds() {
+    clocks(170 + 2 * status_clocks);
+    const uint32_t status = read(reg_status);
+    EXPECT_EQ(top.led & 1, (status & status_lock) != 0);
+    EXPECT_EQ(top.led >> 1 & 1, (status & status_valid) != 0);
+    EXPECT_EQ(top.led >> 2 & 1, (status & status_alarm) != 0);
+    EXPECT_EQ(top.led >> 3 & 1, (status & status_diverged) != 0);
+    return status & (status_lock | status_valid | status_alarm | status_diverged);
   }
 
   void clocks(unsigned count) {
@@ -254,7 +284,11 @@ class Board : public ::testing::TestWithParam<unsigned> {
   std::optional<Access> asked;
   bool any_access = false;
   uint32_t last_read = 0;
-  unsigned accesses = 0, samples = 0, refused = 0;
+  unsigned accesses = 0, samples = 0, refused = 0, framing_errors = 0;
+  struct {
+    bool selected, enabled, ready, write;
+    uint32_t address;
+  } apb = {};  // of the coprocessor, in the interval before
 };
 
 TEST_P(Board, LearnsTheSensorAsTheModelDoes) {
@@ -274,7 +308,6 @@ TEST_P(Board, LearnsTheSensorAsTheModelDoes) {
     clocks(static_cast<unsigned>(random() % 1000));
   }
   EXPECT_EQ(follower->refused(), ignored);
-  EXPECT_EQ(top.led >> 4 & 1, top.irq_o);
   write(reg_ctrl, ctrl_calib | angle_source);
   samples_come(1);
   for (uint32_t address = 0; address <= reg_last; address += 4)
@@ -289,16 +322,32 @@ TEST_P(Board, LearnsTheSensorAsTheModelDoes) {
   EXPECT_NEAR(value(reg_a2), gain_v, 0.01);
   EXPECT_NEAR(value(reg_b1), offset_u, 0.01);
   EXPECT_NEAR(value(reg_b2), offset_v, 0.01);
-  // The LEDs show STATUS.
-  clocks(2 * status_clocks);
-  const uint32_t status = read(reg_status);
-  EXPECT_TRUE(status & status_lock);
-  EXPECT_TRUE(status & status_valid);
-  EXPECT_EQ(top.led & 1, (status & status_lock) != 0);
-  EXPECT_EQ(top.led >> 1 & 1, (status & status_valid) != 0);
-  EXPECT_EQ(top.led >> 2 & 1, (status & status_alarm) != 0);
-  EXPECT_EQ(top.led >> 3 & 1, (status & status_diverged) != 0);
+  EXPECT_EQ(status_of_leds(), status_lock | status_valid);
   EXPECT_EQ(top.led >> 6, 0);
+}
+
+TEST_P(Board, EachLedShowsItsBitOfStatus) {
+  write(reg_ctrl, ctrl_calib | angle_source);
+  EXPECT_EQ(status_of_leds(), 0u);
+  const auto one_sample = [&] {
+    write(reg_ctrl, ctrl_calib | angle_source | ctrl_adc);
+    samples_come(1);
+    write(reg_ctrl, ctrl_calib | angle_source);
+  };
+  one_sample();
+  EXPECT_EQ(status_of_leds(), status_valid);
+  write(reg_diverge_threshold, 0);
+  write(reg_ctrl, ctrl_calib | angle_source | ctrl_adc);
+  samples_come(64);
+  write(reg_ctrl, ctrl_calib | angle_source);
+  EXPECT_EQ(status_of_leds(), status_valid | status_diverged);
+  write(reg_diverge_threshold, 1u << 31);
+  codes[0].assign(20, 4095);
+  codes[1].assign(20, 2048);
+  write(reg_ctrl, ctrl_calib | angle_source | ctrl_adc);
+  while (!codes[1].empty() && !HasFailure()) clock();
+  write(reg_ctrl, ctrl_calib | angle_source);
+  EXPECT_EQ(status_of_leds(), status_valid | status_alarm);
 }
 
 TEST_P(Board, EveryCodeIsTheWordOfAnIdealConverter) {
@@ -379,6 +428,7 @@ TEST_P(Board, TheResetButtonResetsAll) {
   clocks(3 * sample_clocks);
   EXPECT_EQ(top.led >> 7, 1);
   converter.stick({});
+  samples_come(130);  // LED 5
   const unsigned resets = converter.resets();
   while (!top.adc_csn && !HasFailure()) clock();  // not within a frame
   reset();
@@ -427,9 +477,11 @@ TEST_P(Board, AFramingErrorDropsTheCommand) {
     EXPECT_EQ(answers(), (std::vector<Bytes>{{'e', framing}})) << "byte " << broken;
     works();
   }
+  const unsigned before = framing_errors;
   line.level(false, 3 * quiet_clocks);  // a break
   while (line.sending() && !HasFailure()) clock();
   EXPECT_EQ(answers(), (std::vector<Bytes>{{'e', framing}}));
+  EXPECT_EQ(framing_errors, before + 1) << "a break is one framing error";
   works();
 }
 
