@@ -1,4 +1,4 @@
-"""The lists of rtl/ (design, probe, tops for other buses and for boards): no file is forgotten, none is listed that is not there."""
+"""The lists of rtl/ (design, probe, tops for buses and boards): no file is forgotten, none is listed and not there."""
 
 import subprocess
 import tempfile
