@@ -3,6 +3,7 @@
 
 import base64
 import json
+import math
 import re
 import subprocess
 import tempfile
@@ -436,6 +437,22 @@ class Runs(OfACommand):
             order, *words = self.browser.run(column, True)
             self.assertEqual((order, words), (direction, sorted(words, reverse=direction == "descending")))
 
+    def curve(self, name):
+        """What the first curve of a figure draws: values that its axis has, their places downwards, and whether the axis
+        is logarithmic."""
+        series = self.figures()[name]["series"][0]["y"]
+        path, logarithmic = self.browser.run(
+            """const f = document.querySelector(`figure[data-figure=${arguments[0]}]`);
+            return [f.querySelector('.plot .curve').getAttribute('d'), f.plot.log()[1]]""",
+            name,
+        )
+        place, places = 0, []
+        for command, numbers in re.findall(r"([Ml])([^Ml]*)", path):
+            down = int(re.findall(r"-?\d+", numbers)[1])
+            place = down if command == "M" else place + down
+            places.append(place)
+        return [y for y in series if y is not None and not (logarithmic and y == 0)], places, logarithmic
+
     def test_logarithmic_axes_switch(self):
         self.open(self.html)
         log = self.browser.run(
@@ -450,6 +467,18 @@ class Runs(OfACommand):
               [...f.querySelectorAll('button')].find((b) => ['Log', 'Linear'].includes(b.textContent)).click();
             }
             return names"""
+        # Each place is a linear function of the value, or of its logarithm, whichever the axis shows then.
+        for figure in ("a1", "angle-error"):
+            for _ in range(2):
+                values, places, logarithmic = self.curve(figure)
+                values = [math.log10(abs(value)) if logarithmic else value for value in values]
+                least, greatest = min(values), max(values)
+                low, high = (places[values.index(value)] for value in (least, greatest))
+                self.assertGreater(low - high, 100, figure)  # places grow downwards
+                for value, place in zip(values, places, strict=True):
+                    due = low + (high - low) * (value - least) / (greatest - least)
+                    self.assertAlmostEqual(place, due, delta=1.01, msg=f"{figure}, {value}")
+                self.browser.run(switched.replace("n < 3", "n < 1"), figure)
         magnitude, name = "|angle error|, deg", "angle error, deg"
         self.assertEqual(self.browser.run(switched, "angle-error"), [magnitude, name, magnitude])
         self.CLEAN(self.html)
