@@ -16,7 +16,7 @@ changes once after each edge; real gates glitch. A run with the same delay for e
 --samples       counted, after 16 others; default 64
 --idle          default 100
 --slew          nominal slew in picoseconds, default 180
---no-delay-run  leaves out the run with unit delays
+--no-delay-run  leaves out the runs with unit delays, which have a quarter of the samples
 --opensta       compares the power at a uniform activity with OpenSTA's (package opensta)
 --liberty       another Liberty file with flip-flops DFF and DFFSR as yosys maps them
 --work          netlists, programs, counts, cells.v and activity.saif; default build/power
@@ -44,6 +44,7 @@ HALF_CLOCK_NS = round(5e8 / CLOCK)
 SAMPLE_RATE = 250  # of the paper's converter, and of the main job
 TICKS = 6  # a sample's five and the one that it may wait for
 FOLDED = 4  # names of a unit's path that are printed
+DELAY_SHARE = 4  # the runs with unit delays, which take longer, have a quarter of the samples
 SMALLEST = 0.01  # share of a unit that has its own line
 
 
@@ -68,12 +69,12 @@ def print_units(units, samples, open_clocks):
     rows = folded(units, energy)
     rows["together"] = sums = total(units)
     heads = zip(("cells", "FF", "toggles", "gates", "FF", "clock", "nJ", "share"), (8, 6, 10, 8, 7, 8, 8, 8))
-    print(f"  {'unit, per sample':40}" + "".join(f"{head:>{width}}" for head, width in heads))
+    print(f"  {'unit, nJ per sample':54}" + "".join(f"{head:>{width}}" for head, width in heads))
     for name, unit in rows.items():
         parts = [1e9 / samples * part for part in (unit.gates, unit.registers, unit.clock * open_clocks)]
         share = energy(unit) / energy(sums)
         print(
-            f"  {name:40}{unit.cells:8,}{unit.flip_flops:6,}{unit.toggles / samples:10,.0f}{parts[0]:8.2f}"
+            f"  {name:54}{unit.cells:8,}{unit.flip_flops:6,}{unit.toggles / samples:10,.0f}{parts[0]:8.2f}"
             f"{parts[1]:7.2f}{parts[2]:8.2f}{sum(parts):8.2f}{share:8.1%}"
         )
 
@@ -153,9 +154,10 @@ def report(name, options):
     result["clock_j_a_cycle"], result["leakage_w"] = sums.clock, sums.leakage
     result["idle_w"] = {"free": sums.clock * CLOCK + sums.leakage, "gated": sums.leakage}
     for case, (period, delay) in cases.items():
-        run = mapping.simulate(program, netlist, options.samples, options.seed, period, parameters["Safety"], delay)
+        samples = max(1, options.samples // DELAY_SHARE) if delay else options.samples
+        run = mapping.simulate(program, netlist, samples, options.seed, period, parameters["Safety"], delay)
         rate = SAMPLE_RATE if case.startswith("spaced") else CLOCK / tick
-        figures = result["runs"][case] = measure(costs, run, options.samples, rate)
+        figures = result["runs"][case] = measure(costs, run, samples, rate)
         switched = figures["gates_j"] + figures["flip_flops_j"]
         print(
             f"  a sample every {period} clocks{', unit delays' if delay else ''}: {run.clocks:,} clocks as the RTL\n"
