@@ -5,7 +5,9 @@ import contextlib
 import io
 import subprocess
 import unittest
+from unittest import mock
 
+from capsoc_tools.rtl import power
 from capsoc_tools.rtl.cells import mapping, opensta
 from capsoc_tools.rtl.cells.energy import costs_of, total
 from capsoc_tools.rtl.cells.liberty import read_liberty
@@ -155,6 +157,24 @@ class Command(Case):
         done = subprocess.run(command, capture_output=True, text=True, check=False, env=CLEAN)
         said = "power: nowhere.lib is missing; install the package qflow-tech-osu018\n"
         self.assertEqual((done.returncode, done.stdout, done.stderr), (2, "", said))
+
+    def test_different(self):
+        """A program that says that outputs differ: status 1 and what it said."""
+        program = self.folder / "count_toggles"
+        program.write_text("#!/bin/sh\necho clock 7: the netlist differs from the RTL\nexit 1\n")
+        program.chmod(0o755)
+        said = io.StringIO()
+        with (
+            mock.patch.object(power.mapping, "map_cells", return_value=NETLIST),
+            mock.patch.object(power.mapping, "build", return_value=program),
+            contextlib.redirect_stdout(io.StringIO()),
+            contextlib.redirect_stderr(said),
+        ):
+            (self.folder / "hand.lib").write_text(LIBERTY)
+            (self.folder / "paper").mkdir()
+            words = ["--arithmetic", "paper", "--liberty", self.folder / "hand.lib", "--work", self.folder]
+            status = power.main([str(word) for word in words])
+        self.assertEqual((status, said.getvalue()), (1, "power: clock 7: the netlist differs from the RTL\n"))
 
 
 if __name__ == "__main__":

@@ -225,7 +225,13 @@ def main(words=None):
     print_relative(results)
     if options.json:
         head = {"seed": options.seed, "samples": options.samples, "slew_ps": options.slew, "clock_hz": CLOCK}
-        options.json.write_text(json.dumps({**head, "arithmetics": results}, indent=2) + "\n")
+        try:
+            options.json.write_text(json.dumps({**head, "arithmetics": results}, indent=2) + "\n")
+        except OSError as error:
+            print(
+                f"power: --json: cannot write '{options.json}': {error.strerror}; choose another path", file=sys.stderr
+            )
+            return 2
     return 0
 
 
