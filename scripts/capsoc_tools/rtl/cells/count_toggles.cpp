@@ -27,7 +27,7 @@ constexpr double tau = 6.283185307179586476925;
 
 // What the stimulus needs to know of the register map (docs/reference/coprocessor.md).
 constexpr uint32_t reg_ctrl = 0x008, reg_flags = 0x010, reg_freq_lo = 0x018, reg_freq_hi = 0x01c,
-                   reg_safety = 0x0ac, reg_angle = 0x0c0;
+                   reg_safety = 0x0ac, reg_angle = 0x0c0, reg_last = 0x0fc;
 constexpr uint32_t ctrl_learn = 3u | 1u << 4 | 1u << 8;  // DEMOD, CALIB, ADC, IE_RESULT
 constexpr uint32_t flags_result = 1;
 constexpr uint32_t mechanisms = 15u | 1u << 16 | 1u << 24;
@@ -136,6 +136,13 @@ class Bench {
     netlist_.simulator.start();
     counting_ = true;
     for (unsigned i = 0; i < samples; ++i) sample();
+    return equal_;
+  }
+
+  /// Reads every register after the run, when nothing is counted any more.
+  bool read_all() {
+    counting_ = false;
+    for (uint32_t address = 0; address <= reg_last; address += 4) transfer(false, address, 0);
     return equal_;
   }
 
@@ -268,7 +275,8 @@ int main(int argc, char** argv) try {
     return 2;
   }
   bench.write(file);
-  return std::fclose(file) == 0 ? 0 : 2;
+  if (std::fclose(file) != 0) return 2;
+  return bench.read_all() ? 0 : 1;
 } catch (const std::exception& error) {
   std::fprintf(stderr, "count_toggles: %s\n", error.what());
   return 2;
