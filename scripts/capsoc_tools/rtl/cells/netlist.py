@@ -39,7 +39,7 @@ def unit_of(name):
         part = part.lstrip("\\")
         if part.startswith("$"):
             break
-        if not part.startswith("g_"):
+        if not part.startswith(("g_", "gen_")):
             parts.append(part.removeprefix("u_"))
     return ".".join(parts)
 
