@@ -1,11 +1,18 @@
 #!/usr/bin/env bash
-# bare_debian SUITE COMMAND...: runs COMMAND as root in a clean clone of HEAD inside a bare Debian of that suite (bookworm is Debian 12,
+# bare_debian [--keep PATH] SUITE COMMAND...: runs COMMAND as root in a clean clone of HEAD inside a bare Debian of that suite (bookworm is Debian 12,
 # trixie is 13), which debootstrap makes for the purpose with git and nothing else. Ends with the exit code of COMMAND.
+# --keep copies PATH of that clone, a file or folder that COMMAND made, to build/SUITE here.
 # Needs root, debootstrap and Debian's packages. The bare system is kept in ${XDG_CACHE_HOME:-~/.cache}/capsoc/SUITE.tar for the next call.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../../.."
 
 refuse() { echo "bare_debian: $*" >&2; exit 2; }
+keep=
+if [[ ${1-} == --keep ]]; then
+  keep=${2-}
+  [[ -n $keep && $keep != /* && /$keep/ != */../* ]] || refuse "--keep needs a path below the clone, for instance build/route"
+  shift 2
+fi
 (($# > 1)) || refuse "give a suite of Debian and a command, for instance: bare_debian trixie ./scripts/demo"
 suite=$1
 shift
@@ -49,4 +56,9 @@ code=0
 env -i HOME=/root TERM=dumb LANG=C.UTF-8 PATH=/usr/sbin:/usr/bin:/sbin:/bin DEBIAN_FRONTEND=noninteractive \
   chroot "$box" sh -c 'cd /root/clone && apt-get update -qq && exec "$@"' sh "$@" || code=$?
 echo "bare_debian: $suite: exit $code after $SECONDS s: $*" >&2
+if [[ -n $keep ]]; then
+  mkdir -p "build/$suite"
+  cp -r "$box/root/clone/$keep" "build/$suite/" || refuse "COMMAND made no $keep to keep"
+  echo "bare_debian: $keep is now build/$suite/$(basename "$keep")" >&2
+fi
 exit "$code"
