@@ -56,7 +56,7 @@ code=0
 env -i HOME=/root TERM=dumb LANG=C.UTF-8 PATH=/usr/sbin:/usr/bin:/sbin:/bin DEBIAN_FRONTEND=noninteractive \
   chroot "$box" sh -c 'cd /root/clone && apt-get update -qq && exec "$@"' sh "$@" || code=$?
 echo "bare_debian: $suite: exit $code after $SECONDS s: $*" >&2
-if [[ -n $keep ]]; then
+if [[ -n $keep ]] && { ((code == 0)) || [[ -e $box/root/clone/$keep ]]; }; then
   mkdir -p "build/$suite"
   cp -r "$box/root/clone/$keep" "build/$suite/" || refuse "COMMAND made no $keep to keep"
   echo "bare_debian: $keep is now build/$suite/$(basename "$keep")" >&2
