@@ -43,9 +43,9 @@ class Netlist(Case):
 
     def test_a_memory_in_another_use_stops_the_simulation(self):
         other = "DATA_WIDTH_A != 36"
-        same, text = self.compare("results_memory", lambda text: text.replace(other, "DATA_WIDTH_A == 36"))
+        same, text = self.compare("results_memory", lambda text: text.replace(other, "DATA_WIDTH_A != 18"))
         self.assertFalse(same)
-        self.assertIn("DP16KD: not 512 words of 36 bits", text)
+        self.assertIn("DP16KD: neither 512 words of 36 bits nor 2,048 of 9", text)
 
 
 class Tools(Case):

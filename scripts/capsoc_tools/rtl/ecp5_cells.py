@@ -1,8 +1,8 @@
 """What yosys leaves without behaviour among the cells of an ECP5: the multiplier and the block memory.
 
 Both are as the coprocessor's netlist has them, from Lattice's description of the cells (FPGA-TN-02205, sysDSP, and
-FPGA-TN-02204, memory). The multiplier has 18 bits and no registers. The block memory has 512 words of 36 bits, a port
-to write (A) and a port to read (B). In any other use the simulation stops.
+FPGA-TN-02204, memory). The multiplier has 18 bits and no registers. The block memory has 512 words of 36 bits or 2,048
+of 9, a port to write (A) and a port to read (B). In any other use the simulation stops.
 """
 
 MULTIPLIER = """\
@@ -27,19 +27,23 @@ module DP16KD(input {dia}, {dib}, {ada}, {adb}, CEA, OCEA, CLKA, WEA, RSTA, CSA2
   reg [35:0] q;
   wire [35:0] d = {{{dib}, {dia}}};
   wire [8:0] write = {{{ada_word}}}, read = {{{adb_word}}};
+  wire narrow = DATA_WIDTH_A == 9;  // word 4n of 9 bits is the lowest part of word n of 36
+  wire [1:0] write_part = {{ADA4, ADA3}}, read_part = {{ADB4, ADB3}};
   integer i;
   initial begin
-    if (DATA_WIDTH_A != 36 || DATA_WIDTH_B != 36) $fatal(1, "DP16KD: not 512 words of 36 bits");
+    if (DATA_WIDTH_A != DATA_WIDTH_B || DATA_WIDTH_A != 36 && DATA_WIDTH_A != 9)
+      $fatal(1, "DP16KD: neither 512 words of 36 bits nor 2,048 of 9");
     q = 0;
     for (i = 0; i < 512; i = i + 1) words[i] = {{Begin[40*i+20 +: 18], Begin[40*i +: 18]}};
   end
-  always @(posedge CLKA) if (CEA & WEA) begin
+  always @(posedge CLKA) if (CEA & WEA & narrow) words[write][9*write_part +: 9] <= d[8:0];
+  always @(posedge CLKA) if (CEA & WEA & !narrow) begin
     if (ADA0) words[write][8:0] <= d[8:0];
     if (ADA1) words[write][17:9] <= d[17:9];
     if (ADA2) words[write][26:18] <= d[26:18];
     if (ADA3) words[write][35:27] <= d[35:27];
   end
-  always @(posedge CLKB) if (CEB) q <= words[read];
+  always @(posedge CLKB) if (CEB) q <= narrow ? {{9'd0, words[read][9*read_part +: 9], 18'd0}} : words[read];
   always @* if (RSTA | RSTB | WEB) $fatal(1, "DP16KD: a reset, or a second port to write");
   assign {{{dob}, {doa}}} = q;
 endmodule
