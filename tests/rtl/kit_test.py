@@ -10,6 +10,7 @@ import yaml
 
 from capsoc_tools.generate.registers import read_device
 from capsoc_tools.rtl.sources import REGISTERS
+from capsoc_tools.rtl.yosys_types import readable
 from harness import CLEAN, SOURCE, Case
 
 CTEST = {"name": "rtl: kit", "whole": True, "timeout": 200}
@@ -69,7 +70,8 @@ class Kit(Case):
         for target, _ in self.each_target():
             files = self.files_of(target)
             self.assertTrue(all((self.folder / name).is_file() for name in files), files)
-            sources = " ".join(name for name in files if name.endswith(".sv"))
+            named = [self.folder / name for name in files if name.endswith(".sv")]
+            sources = " ".join(map(str, readable(named, self.folder / target["toplevel"])))
             parameters = " ".join(
                 f"-set {name} {self.core['parameters'][name]['default']}" for name in target["parameters"]
             )

@@ -123,7 +123,7 @@ module bench;
       clock = 1; #1; clock = 0; #1;
     end
     $display("%0d inputs, %0d bits compared: %0s", {samples}, seen, wrong == 0 ? "identical" : "DIFFERENT");
-    $finish;
+    $finish(0);
   end
 endmodule
 """
