@@ -14,7 +14,8 @@
 //
 // A pair takes four frames, with the commands U, V, Rest, Rest. Rest is a channel between pairs: its number tells an
 // old result from a new one. The answers after the first frame have to be U, V, Rest; or Rest, U, V, if the converter
-// answers a frame later. Any other number makes refused_o 1 and gives no sample. After a reset two frames reset the
+// answers a frame later. Any other number makes refused_o 1 and gives no sample, and so does every pair if two of the
+// three channels are the same one, for then numbers tell nothing. After a reset two frames reset the
 // converter, and a third selects Rest.
 module capsoc_adc_max11125 #(
   parameter int SampleClocks = 100000,  // clocks between two pairs; below Least it is Least
@@ -56,6 +57,7 @@ module capsoc_adc_max11125 #(
   localparam logic [3:0] U    = 4'(ChannelU);
   localparam logic [3:0] V    = 4'(ChannelV);
   localparam logic [3:0] Rest = 4'(ChannelRest);
+  localparam logic Distinct = U != V && U != Rest && V != Rest;
 
   logic [PeriodWidth-1:0] period_q;
   logic [HalfWidth-1:0]   clocks_q;
@@ -166,8 +168,8 @@ module capsoc_adc_max11125 #(
         if (pair_q == WantsU) u_q <= code;
         if (pair_q == WantsV) v_q <= code;
         if (frame_q == Last) begin
-          valid_q   <= pair_next == Complete;
-          refused_q <= pair_next != Complete;
+          valid_q   <= Distinct && pair_next == Complete;
+          refused_q <= !Distinct || pair_next != Complete;
         end
       end
     end

@@ -140,9 +140,13 @@ class Writer:
                 expression = expression.replace(name, value)
             # Whatever else might trigger is as it was.
             expression = re.sub(r"vlSelf->__Vtrigrprev__TOP__(\w+)", r"vlSelf->\1", expression)
+            if "__Vtrig" in expression:
+                raise UnknownForm(f"a trigger with another name of what was before: {expression}")
             text += f"const bool triggered_{number} = {self.own(expression)};\n"
         for condition, name in self.verilated.order:
             condition = re.sub(r"vlSelf->__VnbaTriggered\.at\((\d+)U\)", r"triggered_\1", condition)
+            if "Triggered" in condition:
+                raise UnknownForm(f"a condition that is none of the triggers: {condition}")
             text += f"if ({condition}) " + self.block(self.verilated.function(name))
         return text + "}\n"
 
