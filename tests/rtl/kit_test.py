@@ -10,7 +10,7 @@ import yaml
 
 from capsoc_tools.generate.registers import read_device
 from capsoc_tools.rtl.sources import REGISTERS
-from capsoc_tools.rtl.yosys_types import readable
+from capsoc_tools.rtl.yosys_types import read_design
 from harness import CLEAN, SOURCE, Case
 
 CTEST = {"name": "rtl: kit", "whole": True, "timeout": 200}
@@ -71,13 +71,13 @@ class Kit(Case):
             files = self.files_of(target)
             self.assertTrue(all((self.folder / name).is_file() for name in files), files)
             named = [self.folder / name for name in files if name.endswith(".sv")]
-            sources = " ".join(map(str, readable(named, self.folder / target["toplevel"])))
+            read = read_design(named, self.folder / target["toplevel"])
             parameters = " ".join(
                 f"-set {name} {self.core['parameters'][name]['default']}" for name in target["parameters"]
             )
             top = target["toplevel"]
-            read = f"read_verilog -sv {sources}; chparam {parameters} {top}; hierarchy -check -top {top}"
-            done = self.run_tool("yosys", "-q", "-p", read)
+            script = f"{read}; chparam {parameters} {top}; hierarchy -check -top {top}"
+            done = self.run_tool("yosys", "-q", "-p", script)
             self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 
     def test_simulators_read_the_list(self):

@@ -5,11 +5,12 @@ import json
 import shutil
 import subprocess
 import unittest
+from pathlib import Path
 
 from capsoc_tools.rtl import route
-from capsoc_tools.rtl.hardware_table import table
+from capsoc_tools.rtl.hardware_table import BadFile, table
+from capsoc_tools.rtl.synth_flow import ToolError, for_verilator, write_figures
 from capsoc_tools.rtl.synth_gate import unit_gate
-from capsoc_tools.rtl.yosys_types import readable
 from harness import CLEAN, SOURCE, Case
 
 CTEST = {"name": "rtl: route", "timeout": 300}
@@ -19,9 +20,8 @@ class Netlist(Case):
     def compare(self, unit, damage=lambda text: text):
         """What the simulation of a unit's netlist says; `damage` of the models of its cells."""
         files = route.design_sources(self.folder / "generated")
-        flow = f"synth_ecp5 -top {unit}; {route.FOR_VERILATOR.format(top=unit)} "
-        flow += f"write_verilog -noattr {self.folder}/netlist.v"
-        route.synthesise(readable(files, self.folder), {}, unit, self.folder, flow)
+        flow = "; ".join([f"synth_ecp5 -top {unit}", *for_verilator(unit, self.folder)])
+        route.synthesise(files, {}, unit, self.folder, flow)
         cells = route.cell_models(self.folder)
         (self.folder / "cells.v").write_text(damage((self.folder / "cells.v").read_text()))
         return unit_gate(unit, files, self.folder, 1000, cells)
@@ -57,6 +57,10 @@ class Tools(Case):
         done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
         self.assertEqual(done.returncode, 2, done.stderr)
         self.assertIn("nextpnr-ecp5 is missing; install the package nextpnr-ecp5 of Debian 13", done.stderr)
+
+    def test_figures_that_cannot_be_written_are_said(self):
+        with self.assertRaisesRegex(ToolError, "--json: cannot write '.*none/x.json': No such file"):
+            write_figures(self.folder / "none" / "x.json", {})
 
 
 class Table(Case):
@@ -94,6 +98,15 @@ class Table(Case):
             self.assertEqual((done.returncode, done.stdout), (2, ""))
             self.assertIn(sentence, done.stderr)
         self.assertEqual(len(table([wrong])), 2)
+
+    def test_a_netlist_that_differs_from_the_rtl_has_no_row(self):
+        for name, change in ((self.area, {"netlist": {"identical": False}}), (self.routed, {"identical": False})):
+            found = json.loads(Path(name).read_text())
+            designs = found.get("designs", found)
+            designs["precise"] |= change
+            Path(name).write_text(json.dumps(found))
+            with self.assertRaisesRegex(BadFile, "the netlist of precise differed from the RTL"):
+                table([name])
 
 
 if __name__ == "__main__":

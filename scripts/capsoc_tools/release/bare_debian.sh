@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# bare_debian [--keep PATH] SUITE COMMAND...: runs COMMAND as root in a clean clone of HEAD inside a bare Debian of that suite (bookworm is Debian 12,
-# trixie is 13), which debootstrap makes for the purpose with git and nothing else. Ends with the exit code of COMMAND.
-# --keep copies PATH of that clone, a file or folder that COMMAND made, to build/SUITE here.
+# bare_debian [--keep PATH] SUITE COMMAND...: runs COMMAND as root in a clean clone of HEAD inside a bare Debian of that suite
+# (bookworm is Debian 12, trixie is 13), which debootstrap makes for the purpose with git and nothing else. Ends with the exit code
+# of COMMAND. --keep copies PATH of that clone, a file or folder that COMMAND made, to build/SUITE here.
 # Needs root, debootstrap and Debian's packages. The bare system is kept in ${XDG_CACHE_HOME:-~/.cache}/capsoc/SUITE.tar for the next call.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../../.."

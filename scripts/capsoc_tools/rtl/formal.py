@@ -112,6 +112,7 @@ def freeze_all_registers(netlist, top, quiet):
 
 def translate(proof, folder, names):
     top = proof["top"]
+    # Assertions are named by the files' paths, so these begin at the folder.
     files = " ".join(str(file.relative_to(folder)) for file in readable([folder / name for name in names], folder))
     read = f"read_verilog -sv -formal -D FORMAL {files}; "
     for parameter, value in proof.get("parameters", {}).items():

@@ -4,7 +4,8 @@ usage: hardware_table FILE...
 
 FILE is what `scripts/tool synth --json`, `scripts/tool route --json` or `scripts/tool power --json` wrote, in any order
 and number. A row is an arithmetic with its number of channels, a cell without a figure is "-". Two files with the same
-figure of the same variant are refused. Status 2: a file cannot be read, or is none of the three.
+figure of the same variant are refused, and a netlist that differed from the RTL. Status 2: something is refused, or a
+file cannot be read or is none of the three.
 """
 
 import json
@@ -30,10 +31,17 @@ class BadFile(Exception):
     """Why a file is refused."""
 
 
+def refuse_difference(name, compared):
+    """If the tool simulated the netlist against the RTL, it must have been the same."""
+    if not compared.get("identical", True):
+        raise BadFile(f"the netlist of {name} differed from the RTL; its figures are of another design")
+
+
 def of_synthesis(found):
     """(arithmetic, channels, figures by column) of each design in what synth wrote."""
     for name, design in found.items():
         if isinstance(design, dict) and "area" in design:
+            refuse_difference(name, design.get("netlist", {}))
             area, path = design["area"], design.get("longest_path_ns")
             figures = {"ALM": area["alm"], "registers": area["registers"], "DSP": area["dsp"]}
             figures |= {"memory bits": area["memory_bits"], "path, ns": path}
@@ -42,6 +50,7 @@ def of_synthesis(found):
 
 def of_routing(found):
     for name, design in found["designs"].items():
+        refuse_difference(name, design)
         cells = design["cells"]
         figures = {"LUT4": cells["LUT4"], "MULT18": cells["MULT18"], "routed, MHz": design["median_mhz"]}
         if design["xilinx"]:

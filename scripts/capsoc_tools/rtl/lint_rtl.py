@@ -17,7 +17,7 @@ import tempfile
 from pathlib import Path
 
 from capsoc_tools.rtl.sources import BOARD, DESIGN, PROBE, ROOT, RTL, WRAPPERS, RtlError, generate, read_list
-from capsoc_tools.rtl.yosys_types import readable
+from capsoc_tools.rtl.yosys_types import read_design
 
 WAIVERS = RTL / "lint" / "verilator.vlt"
 TOP = "coprocessor"
@@ -72,7 +72,7 @@ def said(command):
 
 def checks(files, probe, folder):
     names = [str(path) for path in files]
-    for_yosys = " ".join(map(str, readable(files, folder)))
+    read = read_design(files, folder)
     for label, parameters in DESIGNS.items():
         settings = [f"-P{TOP}.{name}={value}" for name, value in parameters]
         generics = [f"-G{name}={value}" for name, value in parameters]
@@ -102,7 +102,7 @@ def checks(files, probe, folder):
                 "yosys",
                 "-q",
                 "-p",
-                f"read_verilog -sv {for_yosys}; "
+                f"{read}; "
                 + "".join(f"chparam -set {name} {value} {TOP}; " for name, value in parameters)
                 + f"hierarchy -check -top {TOP}; proc; check -assert",
             ],
@@ -119,8 +119,7 @@ def around_checks(top, files, folder, outputs):
     names = [str(path) for path in files]
     verilator = ["verilator", "--lint-only", "-Wall", "--top-module", top, str(WAIVERS), *names]
     yield f"verilator, {top}", verilator
-    for_yosys = " ".join(map(str, readable(files, folder)))
-    script = f"read_verilog -sv {for_yosys}; hierarchy -check -top {top}; proc; check -assert; flatten; "
+    script = f"{read_design(files, folder)}; hierarchy -check -top {top}; proc; check -assert; flatten; "
     script += f"opt_clean; {outputs}; select -assert-none @outputs %ci*:-$dff:-$adff i:* %i"
     yield f"yosys, {top}", ["yosys", "-q", "-p", script]
     yield f"iverilog, {top}", ["iverilog", "-g2012", "-Wall", "-s", top, "-t", "null", *names]

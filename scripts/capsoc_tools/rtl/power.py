@@ -25,7 +25,6 @@ Status 0: printed; 1: the netlist, or that with the gated clock, differs from th
 """
 
 import argparse
-import json
 import sys
 from dataclasses import asdict
 from pathlib import Path
@@ -37,7 +36,7 @@ from capsoc_tools.rtl.cells.netlist import Netlist
 from capsoc_tools.rtl.cells.opensta import compare
 from capsoc_tools.rtl.cells.saif import write_saif
 from capsoc_tools.rtl.synth import CLOCK_MHZ, PARAMETERS
-from capsoc_tools.rtl.synth_flow import ROOT, ToolError
+from capsoc_tools.rtl.synth_flow import ROOT, ToolError, write_figures
 
 CLOCK = CLOCK_MHZ * 1e6
 HALF_CLOCK_NS = round(5e8 / CLOCK)
@@ -216,22 +215,15 @@ def main(words=None):
         mapping.liberty_file(options.liberty)
         for name in names:
             results[name] = report(name, options)
+        print_relative(results)
+        head = {"seed": options.seed, "samples": options.samples, "slew_ps": options.slew, "clock_hz": CLOCK}
+        write_figures(options.json, {**head, "arithmetics": results})
     except mapping.Different as difference:
         print(f"power: {difference}", file=sys.stderr)
         return 1
     except ToolError as error:
         print(f"power: {error}", file=sys.stderr)
         return 2
-    print_relative(results)
-    if options.json:
-        head = {"seed": options.seed, "samples": options.samples, "slew_ps": options.slew, "clock_hz": CLOCK}
-        try:
-            options.json.write_text(json.dumps({**head, "arithmetics": results}, indent=2) + "\n")
-        except OSError as error:
-            print(
-                f"power: --json: cannot write '{options.json}': {error.strerror}; choose another path", file=sys.stderr
-            )
-            return 2
     return 0
 
 

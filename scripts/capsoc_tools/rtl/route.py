@@ -34,9 +34,20 @@ from pathlib import Path
 from capsoc_tools.rtl import sources as rtl_sources
 from capsoc_tools.rtl.ecp5_cells import models
 from capsoc_tools.rtl.synth import CLOCK_MHZ, PARAMETERS, SAMPLES
-from capsoc_tools.rtl.synth_flow import ROOT, RTL, TOP, ToolError, design_sources, find, run
+from capsoc_tools.rtl.synth_flow import (
+    ROOT,
+    RTL,
+    TOP,
+    ToolError,
+    design_sources,
+    find,
+    for_verilator,
+    run,
+    variant,
+    write_figures,
+)
 from capsoc_tools.rtl.synth_gate import gate
-from capsoc_tools.rtl.yosys_types import readable
+from capsoc_tools.rtl.yosys_types import read_design
 
 BOARD_TOP = "capsoc_board_ulx3s"
 BOARD_LIST = RTL / rtl_sources.BOARD
@@ -45,18 +56,14 @@ PACKAGE = "CABGA381"
 DEVICES = {"precise": "25k", "safety": "25k", "paper": "85k", "two-clocks": "85k"}
 MISSES_THE_CLOCK = {"paper"}  # Eq (11) in every clock: docs/explanation/papers.md
 CELLS = {"TRELLIS_COMB": "LUT4", "TRELLIS_FF": "registers", "MULT18X18D": "MULT18", "DP16KD": "block memories"}
-# One wire a bit and short names: synth_flow.py says why.
-FOR_VERILATOR = (
-    "rename -top {top}_netlist; setundef -zero; splitnets; opt_clean -purge; rename -hide w:* c:*; "
-    "rename -enumerate -pattern n%;"
-)
+NEXTPNR = ("nextpnr-ecp5", "nextpnr-ecp5 of Debian 13 (route --help has the command)")
 XILINX = {"DSP48E1": "DSP48", "RAMB18E1": "RAMB18", "RAMB36E1": "RAMB36"}
 
 
 def synthesise(files, parameters, top, folder, flow):
-    """Runs a synthesis of yosys for `top` with these parameters; the log goes to `folder`."""
+    """Runs a synthesis of yosys for `top` with these parameters in the new `folder`, which gets the log."""
     settings = "".join(f"chparam -set {name} {value} {top}; " for name, value in parameters.items())
-    script = f"read_verilog -sv {' '.join(map(str, files))}; {settings}{flow}"
+    script = f"{read_design(files, folder)}; {settings}{flow}"
     run([find("yosys", "yosys"), "-q", "-p", script], folder / f"{flow.split()[0]}.log")
 
 
@@ -86,7 +93,7 @@ def cell_models(folder):
 def place(netlist, options, device, seed, folder):
     """The report of one placement: cells by kind, and the routed clock in MHz."""
     report = folder / f"seed_{seed}.json"
-    command = [find("nextpnr-ecp5", "nextpnr-ecp5 of Debian 13 (route --help has the command)"), f"--{device}"]
+    command = [find(*NEXTPNR), f"--{device}"]
     command += ["--package", PACKAGE, "--speed", "6", "--json", str(netlist), "--freq", str(CLOCK_MHZ)]
     command += ["--seed", str(seed), "--timing-allow-fail", "--report", str(report)]
     command += [option.format(seed=seed) for option in options]
@@ -117,12 +124,9 @@ def describe(runs, xilinx):
 
 def report(name, arguments):
     """Prints what becomes of one design; returns whether it keeps the clock as it has to, and its figures."""
-    parameters = dict(PARAMETERS[name])
-    folder = Path(arguments.work).resolve() / ("board_" * arguments.board + name)
-    if arguments.channels > 1:
-        parameters["Channels"] = arguments.channels
-        folder = folder.with_name(f"{folder.name}_{arguments.channels}_channels")
-    folder.mkdir(parents=True, exist_ok=True)
+    parameters, folder = variant(
+        PARAMETERS[name], arguments.channels, arguments.work, "board_" * arguments.board + name
+    )
     device = arguments.device or DEVICES[name]
     print(f"== {folder.name}, LFE5U-{device[:-1]}F", flush=True)
     top, options = TOP, ["--out-of-context"]
@@ -131,16 +135,18 @@ def report(name, arguments):
         top = BOARD_TOP
         files = [*sources, *rtl_sources.read_list(BOARD_LIST)]
         options = ["--lpf", str(BOARD_PINS), "--textcfg", str(folder / "board_{seed}.config")]
-    files = readable(files, folder)
     netlist = folder / "ecp5.json"
-    flow = f"synth_ecp5 -top {top} -json {netlist}"
-    if check := not (arguments.no_gate or arguments.board):
-        flow += f"; {FOR_VERILATOR.format(top=top)} write_verilog -noattr {folder}/netlist.v"
-    synthesise(files, parameters, top, folder, flow)
+    check = not (arguments.no_gate or arguments.board)
+    flow = [f"synth_ecp5 -top {top} -json {netlist}", *(for_verilator(top, folder) if check else [])]
+    synthesise(files, parameters, top, folder, "; ".join(flow))
+    checked = {}
+    if check:
+        checked["identical"], text = gate(sources, parameters, folder, SAMPLES[name], 1, cell_models(folder))
+        print(f"  netlist against RTL, seed 1: {text}", flush=True)
     seeds = range(arguments.seed, arguments.seed + arguments.seeds)
     runs = [place(netlist, options, device, seed, folder) for seed in seeds]
     xilinx = xilinx_cells(files, parameters, top, folder) if arguments.xilinx else None
-    result = {"device": device, **describe(runs, xilinx)}
+    result = {"device": device, **checked, **describe(runs, xilinx)}
     if arguments.board:
         bitstream = folder / f"{BOARD_TOP}.bit"
         packer = find("ecppack", "fpga-trellis of Debian 13")
@@ -148,11 +154,7 @@ def report(name, arguments):
         run([packer, "--compress", str(folder / f"board_{fastest}.config"), str(bitstream)], folder / "ecppack.log")
         print(f"  bitstream of seed {fastest}: {bitstream}")
     kept = name in MISSES_THE_CLOCK or min(run["mhz"] for run in runs) >= CLOCK_MHZ
-    if check:
-        result["identical"], text = gate(sources, parameters, folder, SAMPLES[name], 1, cell_models(folder))
-        print(f"  netlist against RTL, seed 1: {text}", flush=True)
-        kept = kept and result["identical"]
-    return kept, result
+    return kept and checked.get("identical", True), result
 
 
 def main():
@@ -171,16 +173,16 @@ def main():
     passed, results = True, {}
     try:
         find("yosys", "yosys")
-        find("nextpnr-ecp5", "nextpnr-ecp5 of Debian 13 (route --help has the command)")
+        find(*NEXTPNR)
+        if arguments.board and arguments.channels > 1:
+            raise ToolError("the board has one channel; leave out --channels or --board")
         for name in [arguments.arithmetic] if arguments.arithmetic else PARAMETERS:
-            kept, results[name] = report(name, arguments)
+            kept, results["board_" * arguments.board + name] = report(name, arguments)
             passed = passed and kept
+        write_figures(arguments.json, {"channels": arguments.channels, "designs": results})
     except (ToolError, rtl_sources.RtlError) as error:
         print(f"route: {error}", file=sys.stderr)
         return 2
-    if arguments.json:
-        text = json.dumps({"channels": arguments.channels, "designs": results}, indent=2)
-        Path(arguments.json).write_text(text + "\n", encoding="utf-8")
     return 0 if passed else 1
 
 

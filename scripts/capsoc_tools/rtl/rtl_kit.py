@@ -31,7 +31,7 @@ from capsoc_tools.generate.registers import read_device
 from capsoc_tools.rtl.ip_xact import LICENCE, PERIPHERAL, Bus, Top, ip_xact_text
 from capsoc_tools.rtl.prefix import file_name, prefixed, shared_names, with_prefix
 from capsoc_tools.rtl.sources import REGISTERS, RTL, WRAPPERS, RtlError, read_list, sources
-from capsoc_tools.rtl.yosys_types import readable
+from capsoc_tools.rtl.yosys_types import read_design
 
 CORE, LIST = "capsoc_coprocessor.core", "capsoc_coprocessor.f"
 REFERENCE = ROOT / "platform" / "reference"
@@ -179,8 +179,8 @@ def write_verilog(folder, names):
         with tempfile.TemporaryDirectory() as made:
             netlist = Path(made) / "top.v"
             try:
-                files = " ".join(map(str, readable([folder / name for name in names], made)))
-                script = f"read_verilog -sv {files}; chparam -set Paper {paper} {prefixed('coprocessor')}; "
+                read = read_design([folder / name for name in names], made)
+                script = f"{read}; chparam -set Paper {paper} {prefixed('coprocessor')}; "
                 script += f"hierarchy -check -top {prefixed('coprocessor')}; proc; opt_clean; rename -top {top}; "
                 command = ["yosys", "-q", "-p", f"{script} write_verilog -noattr {netlist}"]
                 done = subprocess.run(command, capture_output=True, text=True, check=False)

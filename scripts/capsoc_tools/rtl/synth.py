@@ -21,7 +21,6 @@ Status 0: limits kept, netlist and RTL identical; 1: not so; 2: a tool is missin
 """
 
 import argparse
-import json
 import re
 import sys
 from pathlib import Path
@@ -38,6 +37,8 @@ from capsoc_tools.rtl.synth_flow import (
     longest_path,
     synthesise,
     total,
+    variant,
+    write_figures,
 )
 from capsoc_tools.rtl.synth_gate import gate, unit_gate
 
@@ -134,14 +135,8 @@ def report_unit(unit, arguments):
 
 
 def report(name, arguments):
-    parameters = dict(PARAMETERS[name])
-    limits = LIMITS[name]
-    folder = Path(arguments.work).resolve() / name
-    if arguments.channels > 1:
-        parameters["Channels"] = arguments.channels
-        limits = {}
-        folder = folder.with_name(f"{name}_{arguments.channels}_channels")
-    folder.mkdir(parents=True, exist_ok=True)
+    parameters, folder = variant(PARAMETERS[name], arguments.channels, arguments.work, name)
+    limits = LIMITS[name] if arguments.channels == 1 else {}
     sources = design_sources(folder / "generated")
     print(f"== {folder.name}", flush=True)
     cells = synthesise(sources, parameters, folder, True)
@@ -204,13 +199,10 @@ def main():
         for name in names:
             kept, results[name] = report(name, arguments)
             passed = passed and kept
+        write_figures(arguments.json, {"table_7": TABLE_7, "channels": arguments.channels, **results})
     except ToolError as error:
         print(f"synth: {error}", file=sys.stderr)
         return 2
-    if arguments.json:
-        Path(arguments.json).write_text(
-            json.dumps({"table_7": TABLE_7, "channels": arguments.channels, **results}, indent=2) + "\n"
-        )
     return 0 if passed else 1
 
 

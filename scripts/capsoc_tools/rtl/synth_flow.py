@@ -76,6 +76,43 @@ def find(tool, package):
     return path
 
 
+def variant(parameters, channels, work, name):
+    """(parameters, new folder below `work`) of an arithmetic with this number of channels."""
+    if channels > 1:
+        parameters = {**parameters, "Channels": channels}
+        name += f"_{channels}_channels"
+    folder = Path(work).resolve() / name
+    folder.mkdir(parents=True, exist_ok=True)
+    return dict(parameters), folder
+
+
+def write_figures(path, figures):
+    """The figures of a tool as JSON, if `path` names a file."""
+    if path is None:
+        return
+    try:
+        Path(path).write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
+    except OSError as error:
+        raise ToolError(f"--json: cannot write '{path}': {error.strerror}; choose another path") from error
+
+
+def for_verilator(top, folder, hide=True):
+    """Commands of yosys that write folder/netlist.v of the mapped `top`. hide: no names of the RTL.
+
+    One wire a bit and short names: Verilator 5.006 gets vectors whose bits depend on one another wrong, and long names
+    make its output ten times as long."""
+    return [
+        f"rename -top {top}_netlist",
+        "check -assert",
+        "setundef -zero",
+        "splitnets",
+        "opt_clean -purge",
+        *(["rename -hide w:* c:*"] if hide else []),
+        "rename -enumerate -pattern n%",
+        f"write_verilog -noattr {folder}/netlist.v",
+    ]
+
+
 def run(command, log, **options):
     with open(log, "w") as out:
         status = subprocess.run(command, stdout=out, stderr=subprocess.STDOUT, **options).returncode
@@ -125,18 +162,7 @@ def synthesise(sources, parameters, folder, flatten, top=TOP, hide=True):
         f"tee -o {folder}/{name}.json stat -json",
     ]
     if flatten:
-        # One wire a bit and short names: Verilator 5.006 gets vectors whose bits depend on one
-        # another wrong, and such names make its output ten times as long.
-        script += [
-            f"rename -top {top}_netlist",
-            "check -assert",
-            "setundef -zero",
-            "splitnets",
-            "opt_clean -purge",
-            *(["rename -hide w:* c:*"] if hide else []),
-            "rename -enumerate -pattern n%",
-            f"write_verilog -noattr {folder}/netlist.v",
-        ]
+        script += for_verilator(top, folder, hide)
     (folder / f"{name}.ys").write_text("\n".join(script) + "\n")
     run([find("yosys", "yosys"), "-q", "-s", str(folder / f"{name}.ys")], folder / f"{name}.log")
     # With more than one module, yosys 0.23 puts a table in plain text after this member.

@@ -52,6 +52,11 @@ def in_a_package(files, folder):
     return [package, *copies]
 
 
+def read_design(files, folder, options=""):
+    """The command of yosys that reads the files; copies that it may need go to `folder`."""
+    return f"read_verilog -sv {options}{' '.join(map(str, readable(files, folder)))}"
+
+
 def readable(files, folder):
     """The files as the installed yosys reads them: themselves, or copies in the new folder `folder`/types."""
     return [*files] if reads_types_between_modules() else in_a_package(files, Path(folder) / "types")

@@ -19,7 +19,7 @@ from capsoc_tools.faults.mutation import equivalence
 
 from capsoc_tools import ROOT
 from capsoc_tools.rtl import sources as rtl_sources
-from capsoc_tools.rtl.yosys_types import readable
+from capsoc_tools.rtl.yosys_types import read_design
 
 HERE = Path(__file__).resolve().parent
 LEAST_PERCENT = 95.0
@@ -59,9 +59,8 @@ def sources(folder, rtl):
 
 
 def read_commands(files, arithmetic, folder):
-    names = " ".join(map(str, readable(files, folder)))
     return [
-        f"read_verilog -sv {names}",
+        read_design(files, folder),
         f"hierarchy -check -top coprocessor -chparam Paper {int(arithmetic == 'paper')}",
         "proc",
         "flatten",

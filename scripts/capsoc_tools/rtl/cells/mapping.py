@@ -7,14 +7,14 @@ from pathlib import Path
 from capsoc_tools.rtl.cells.netlist import FIRST
 from capsoc_tools.rtl.synth_flow import TOP, ToolError, design_sources, find, run
 from capsoc_tools.rtl.synth_gate import build_program, verilate
-from capsoc_tools.rtl.yosys_types import readable
+from capsoc_tools.rtl.yosys_types import read_design
 
 HERE = Path(__file__).resolve().parent
 PACKAGE = "qflow-tech-osu018"
 LIBERTY = Path("/usr/share/qflow/tech/osu018/osu018_stdcells.lib")
 #: The memories stay as they are. Each module is mapped by itself, so that every cell belongs to a unit.
 SCRIPT = """\
-read_verilog -sv {sources}
+{read}
 {parameters}
 hierarchy -check -top {top}
 proc
@@ -64,7 +64,7 @@ def map_cells(parameters, liberty, folder, top=TOP, sources=None):
     folder.mkdir(parents=True, exist_ok=True)
     sources = sources or design_sources(folder / "generated")
     script = SCRIPT.format(
-        sources=" ".join(map(str, readable(sources, folder))),
+        read=read_design(sources, folder),
         parameters="\n".join(f"chparam -set {name} {value} {top}" for name, value in parameters.items()),
         top=top, liberty=liberty, folder=folder,
     )  # fmt: skip
