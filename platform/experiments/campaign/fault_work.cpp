@@ -7,6 +7,7 @@
 
 #include <cerrno>
 #include <filesystem>
+#include <map>
 #include <set>
 
 #include "campaign/kinds.h"
@@ -73,7 +74,10 @@ class FaultWork final : public Work {
     if (auto error = settings_.set(assignments)) return *error;
     const fault::TrialSettings& trial = settings_.trial;
     Job job;
-    job.identity = run_identity(settings_.run) + settings_identity(trial);
+    const std::string of_run = run_identity(settings_.run);
+    // One that cannot be read is the worker's to report.
+    if (folder_) remember(folder_of(of_run, settings_.span()));
+    job.identity = of_run + settings_identity(trial);
     job.command = run::reproducing_command(settings_.run);
     job.command += fmt::format(" --inject '{}'",
                                trial.line.empty() ? "(fault.line of the result)" : trial.line());
@@ -88,33 +92,32 @@ class FaultWork final : public Work {
       if (!folder) return Error{"the runs without faults: " + folder.error()};
       folder_.emplace(std::move(folder.value()));
     }
-    FaultSettings settings;
-    if (auto error = settings.set(assignments)) return error;
-    if (const auto inputs = run::read_inputs(settings.run); !inputs) return Error{inputs.error()};
-    if (!checked_.insert(decides_on_places(settings)).second) return std::nullopt;
-    const auto drawn = draw(settings);
+    if (auto error = settings_.set(assignments)) return error;
+    if (const auto inputs = run::read_inputs(settings_.run); !inputs) return Error{inputs.error()};
+    if (!checked_.insert(decides_on_places(settings_)).second) return std::nullopt;
+    const auto drawn = draw();
     return drawn ? std::nullopt : std::make_optional(Error{drawn.error()});
   }
 
   Result<nlohmann::ordered_json> perform(const std::vector<Assignment>& assignments,
                                          const Keep&) override {
-    FaultSettings settings;
-    if (auto error = settings.set(assignments)) return *error;
+    if (auto error = settings_.set(assignments)) return *error;
     spdlog::set_level(spdlog::level::off);
-    auto drawn = draw(settings);
+    const auto drawn = draw();
     if (!drawn) return Error{drawn.error()};
-    const auto& [place, golden, chosen] = drawn.value();
+    const fault::Golden& golden = *drawn.value().golden;
+    const fault::Drawn& chosen = drawn.value().fault;
     const bool is_endless = golden.code == run::exit_code::limit;
-    const double limit_s = golden.ended_s + (is_endless ? 0 : settings.trial.wait_s());
+    const double limit_s = golden.ended_s + (is_endless ? 0 : settings_.trial.wait_s());
     for (const auto& [path, value] :
          {std::pair<const char*, std::string>("inject.faults", chosen.line),
           {"run.simlimit_s", fmt::format("{}", limit_s)}})
       if (auto error =
-              settings.run.set(path, value, SettingSource::command_line, "the drawn fault"))
+              settings_.run.set(path, value, SettingSource::command_line, "the drawn fault"))
         return *error;
-    const auto outcome = outcome_of(settings, place, golden, chosen);
+    const auto outcome = outcome_of(drawn.value());
     if (!outcome) return Error{outcome.error()};
-    return json_of(outcome.value(), chosen, run::reproducing_command(settings.run));
+    return json_of(outcome.value(), chosen, run::reproducing_command(settings_.run));
   }
 
   nlohmann::ordered_json example() const override {
@@ -131,18 +134,24 @@ class FaultWork final : public Work {
   }
 
  private:
-  static Result<fault::Outcome> outcome_of(const FaultSettings& settings, const std::string& place,
-                                           const fault::Golden& golden,
-                                           const fault::Drawn& chosen) {
-    if (settings.trial.prune() && settings.trial.line.empty() &&
-        settings.trial.kind() == inject::Fault::Kind::flip) {
+  /// A fault, with the golden run and the folder of its states.
+  struct DrawnFault {
+    std::string place;
+    const fault::Golden* golden;  // of goldens_
+    fault::Drawn fault;
+  };
+
+  Result<fault::Outcome> outcome_of(const DrawnFault& drawn) const {
+    const auto& [place, golden, chosen] = drawn;
+    const fault::TrialSettings& trial = settings_.trial;
+    if (trial.prune() && trial.line.empty() && trial.kind() == inject::Fault::Kind::flip) {
       fault::Outcome latent;
-      latent.not_simulated = fault::reason_not_read(chosen.place, chosen.bit, golden.unread);
+      latent.not_simulated = fault::reason_not_read(chosen.place, chosen.bit, golden->unread);
       if (!latent.not_simulated.empty()) return latent;
     }
     auto state = fault::read_state(place, chosen.start);
     if (!state) return Error{state.error()};
-    return fault::try_fault(settings.run, settings.trial, chosen, golden, std::move(state.value()));
+    return fault::try_fault(settings_.run, trial, chosen, *golden, std::move(state.value()));
   }
 
   static nlohmann::ordered_json json_of(const fault::Outcome& outcome, const fault::Drawn& drawn,
@@ -176,31 +185,39 @@ class FaultWork final : public Work {
                        settings.trial.units(), settings.trial.line());
   }
 
-  /// A fault, with the golden run and the folder of its states.
-  struct DrawnFault {
-    std::string place;
-    fault::Golden golden;
-    fault::Drawn fault;
-  };
-
-  Result<DrawnFault> draw(FaultSettings& settings) const {
-    auto place = golden_folder(settings);
+  Result<DrawnFault> draw() {
+    auto place = golden_folder();
     if (!place) return Error{place.error()};
-    auto golden = fault::read_golden(place.value());
-    if (!golden) return Error{golden.error()};
-    auto drawn = fault::draw(settings.trial, golden.value());
+    if (auto error = remember(place.value())) return *error;
+    const fault::Golden& golden = goldens_.at(place.value());
+    auto drawn = fault::draw(settings_.trial, golden);
     if (!drawn) return Error{drawn.error()};
-    return DrawnFault{std::move(place.value()), std::move(golden.value()),
-                      std::move(drawn.value())};
+    return DrawnFault{std::move(place.value()), &golden, std::move(drawn.value())};
+  }
+
+  /// Reads the golden run, if it is there and was not read before. What a process has read, its
+  /// workers need not read again.
+  std::optional<Error> remember(const std::string& place) {
+    if (goldens_.count(place) != 0 || !fault::has_golden(place)) return std::nullopt;
+    auto golden = fault::read_golden(place);
+    if (!golden) return Error{golden.error()};
+    // They come one after the other, so those of before are not missed.
+    if (goldens_.size() == most_goldens) goldens_.clear();
+    goldens_.emplace(place, std::move(golden.value()));
+    return std::nullopt;
+  }
+
+  std::string folder_of(const std::string& of_run, const fault::Span& span) const {
+    const std::string name =
+        host::sha256_of(of_run + fmt::format("{} {} {}", span.from_s, span.to_s, span.until_s));
+    return folder_->path() + "/" + name.substr(0, 16);
   }
 
   /// Where the golden run of these settings is. The first worker that needs it performs it, in a
   /// separate process; the others wait.
-  Result<std::string> golden_folder(FaultSettings& settings) const {
-    const fault::Span span = settings.span();
-    std::string name = host::sha256_of(
-        run_identity(settings.run) + fmt::format("{} {} {}", span.from_s, span.to_s, span.until_s));
-    std::string place = folder_->path() + "/" + name.substr(0, 16);
+  Result<std::string> golden_folder() {
+    std::string place = folder_of(run_identity(settings_.run), settings_.span());
+    if (goldens_.count(place) != 0) return place;
     std::error_code failure;
     std::filesystem::create_directories(place, failure);
     const host::Descriptor lock(
@@ -209,7 +226,7 @@ class FaultWork final : public Work {
     while (flock(lock.get(), LOCK_EX) != 0 && errno == EINTR) {
     }
     if (fault::has_golden(place)) return place;
-    if (auto error = perform_golden(settings, place)) return *error;
+    if (auto error = perform_golden(settings_, place)) return *error;
     return place;
   }
 
@@ -245,7 +262,10 @@ class FaultWork final : public Work {
 
   /// For golden runs, which all workers share.
   std::optional<host::TemporaryFolder> folder_;
-  std::set<std::string> checked_;  // decides_on_places() of those
+  static constexpr std::size_t most_goldens = 8;  // some megabytes each
+
+  std::map<std::string, fault::Golden> goldens_;  // by folder
+  std::set<std::string> checked_;                 // decides_on_places() of those
   FaultSettings settings_;  // of one run in turn: to declare them takes far longer than to set
 };
 
