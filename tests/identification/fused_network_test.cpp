@@ -16,7 +16,6 @@ long allocations = 0;
 // Counts what Eigen and the library allocate; the address sanitizer brings its own.
 #ifndef __SANITIZE_ADDRESS__
 extern "C" {
-// NOLINTNEXTLINE(bugprone-reserved-identifier)
 void* __libc_malloc(std::size_t size);
 void* malloc(std::size_t size) {
   ++allocations;

@@ -18,7 +18,6 @@
 
 // Verilator's: all combinational logic again, as at its first evaluation. eval() would not do it,
 // for nothing that it looks at has changed.
-// NOLINTNEXTLINE(bugprone-reserved-identifier): the name is Verilator's
 void Vcoprocessor_probe___024root___eval_settle(Vcoprocessor_probe___024root* top);
 
 namespace {

@@ -4,7 +4,6 @@
 
 #include "coprocessor/sequencer.h"
 
-// NOLINTNEXTLINE(bugprone-reserved-identifier): the name is Verilator's
 class Vcoprocessor_probe___024root;
 
 namespace capsoc::rtl {
