@@ -1,5 +1,7 @@
 """An extension of Sphinx: the builder of the book, and the kinds of blocks that only the pages have."""
 
+import re
+
 from docutils import nodes
 from pygments.lexers.special import TextLexer
 from sphinx.addnodes import start_of_file
@@ -13,8 +15,9 @@ class Book(SingleFileHTMLBuilder):
 
     def fix_refuris(self, tree):
         for link in tree.findall(nodes.reference):
-            if link.get("refuri", "").startswith("index.html#document-"):
-                page, _, anchor = link["refuri"].removeprefix("index.html#document-").partition("#")
+            # Without the name of the file since Sphinx 7.
+            if found := re.match(r"(?:index\.html)?#document-([^#]*)#?(.*)", link.get("refuri", "")):
+                page, anchor = found.groups()
                 link["refuri"] = f"#{page}:{anchor}" if anchor else f"#document-{page}"
 
     def assemble_doctree(self):

@@ -62,6 +62,8 @@ def build(top, builder, folder):
             check=False,
         )
         said = re.sub(r"\x1b\[[\d;]*m", "", done.stderr).replace(f"{sources}/", "").strip()
+        # Sphinx 8 takes MyST's file for the name of a page.
+        said = said.replace(".md.rst:", ".md:")
         if said or done.returncode != 0:
             raise Faults(said.splitlines() or [f"Sphinx ended with status {done.returncode}"])
     (folder / ".buildinfo").unlink(missing_ok=True)  # for Sphinx's next run into the folder, of which there is none

@@ -149,11 +149,30 @@ def c_passages(name, text):
         yield from messages(name, [(line, re.sub(r'\\"', '"', part)) for line, part in strings])
 
 
+def python_tokens(text):
+    """Tokens in which a formatted string is one, as Python's were before 3.12."""
+    begins, depth = None, 0
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        kind = tokenize.tok_name[token.type]
+        if kind == "FSTRING_START":
+            begins, depth = begins or token.start, depth + 1
+        elif kind == "FSTRING_END":
+            depth -= 1
+            if depth == 0:
+                rows = text.split("\n")[begins[0] - 1 : token.end[0]]
+                rows[-1] = rows[-1][: token.end[1]]
+                rows[0] = rows[0][begins[1] :]
+                yield tokenize.TokenInfo(tokenize.STRING, "\n".join(rows), begins, token.end, token.line)
+                begins = None
+        elif depth == 0:
+            yield token
+
+
 def python_passages(name, text):
     """Comments, documentation strings and messages of Python."""
     comments, strings, docs = [], [], []
     begins, adjacent = True, False
-    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+    for token in python_tokens(text):
         line = token.start[0]
         if token.type == tokenize.COMMENT:
             comments.append((line, not token.line[: token.start[1]].strip(), token.string))
