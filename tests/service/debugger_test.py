@@ -32,29 +32,45 @@ class Debugged(Past):
 
 
 class Reverse(Debugged):
+    def hits(self, program, first, last, points, limit, **settings):
+        """By the number of an instruction up to the last: the watchpoints that stop after it, each found by itself."""
+        found = {}
+        for number, point in enumerate(points):
+            self.simulation = self.construct(program, history_mb=0, **settings)
+            self.advance(self.simulation, instructions=first)
+            while self.resume(points=[point, limit])["reason"] != "over" and self.count() <= last:
+                if self.stopped == "watchpoint":
+                    found.setdefault(self.count(), set()).add(number)
+            self.session("simulation.close", simulation=self.simulation)
+        return found
+
+    def stepped(self, first, length):
+        """By number of instruction, program counter and state; and data that the stack and other pointers lead to."""
+        pcs, states, places = {}, {}, set()
+        while (now := self.count()) <= first + length:
+            registers = self.call("processor.read")["registers"]
+            pcs[now], states[now] = registers["pc"], self.look(self.simulation)
+            places |= {at & ~3 for at in registers.values() if 0x20000000 <= at < 0x20400000}
+            self.resume("step")
+        return pcs, states, places
+
     def walk(self, program, first, length, moves=MOVES, **settings):
-        """Between the instructions `first` and `first + length`, with points on the stack and in the code."""
+        """Between the instructions `first` and `first + length`, with points in data and in the code."""
         draw = random.Random(f"{SEED} {program} {settings}")
         # What happens: stepped, and each watchpoint by itself.
         self.simulation = self.construct(program, history_mb=0, **settings)
         self.advance(self.simulation, instructions=first)
-        pcs, states, stacks = {}, {}, set()
-        while (now := self.count()) <= first + length:
-            registers = self.call("processor.read")["registers"]
-            pcs[now], states[now] = registers["pc"], self.look(self.simulation)
-            stacks.add(registers["sp"])
-            self.resume("step")
-        watched = draw.sample(sorted(stacks), min(4, len(stacks)))
-        points = [{"kind": draw.choice(["write", "access", "read"]), "address": at, "size": 4} for at in watched]
-        hits = {}
-        for number, point in enumerate(points):
-            self.simulation = self.construct(program, history_mb=0, **settings)
-            self.advance(self.simulation, instructions=first)
+        pcs, states, places = self.stepped(first, length)
+        while len(set(pcs.values())) < 20:  # a loop that waits; where it is depends on the compiler
+            first = self.count()
+            pcs, states, places = self.stepped(first, length)
+        # Which of them are written or read depends on the compiler.
+        for _ in range(8):
+            watched = draw.sample(sorted(places), min(4, len(places)))
+            points = [{"kind": draw.choice(["write", "access", "read"]), "address": at, "size": 4} for at in watched]
             limit = {"kind": "breakpoint", "address": pcs[first + length]}
-            while self.resume(points=[point, limit])["reason"] != "over" and self.count() <= first + length:
-                if self.stopped == "watchpoint":
-                    hits.setdefault(self.count(), set()).add(number)
-        self.session("simulation.close", simulation=self.simulation)
+            if hits := self.hits(program, first, first + length, points, limit, **settings):
+                break
 
         self.simulation = self.construct(program, **settings)
         self.advance(self.simulation, instructions=first)

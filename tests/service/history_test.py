@@ -588,22 +588,29 @@ class Questions(Past):
                     self.assertEqual(bytes(answer["new"]), seen[wrote + 1][1])
             self.assertEqual(self.look(self.simulation), here)
 
+    REGISTERS = ("sp", *(f"r{number}" for number in range(13)))
+
     def test_a_register_that_was_written_long_ago(self):
         """Its change is where a simulation that has not gone further finds it."""
         self.simulation = self.construct("bench_matrix")
         self.advance(self.simulation, instructions=50_000)
-        names = ("sp", "r11")
-        wanted = [self.call("history.last_write", register=name) for name in names]
-        before = [self.call("processor.read")["registers"][name] for name in names]
+        begun = {name: self.call("history.last_write", register=name) for name in self.REGISTERS}
+        before = self.call("processor.read")["registers"]
         for count in (4_000_000, 10_000_000, 12_000_000):
             self.call("simulation.goto", instructions=count)
             if count == 10_000_000:
                 self.call("history.keep")
-        self.assertEqual([self.call("processor.read")["registers"][name] for name in names], before)
-        self.assertEqual([self.call("history.last_write", register=name) for name in names], wanted)
-        self.call("processor.write", register="r12", value=77)
+        answers = {name: self.call("history.last_write", register=name) for name in self.REGISTERS}
+        # Which registers the loops leave alone is the compiler's choice.
+        kept = [name for name in self.REGISTERS if answers[name]["position"]["instructions"] < 50_000]
+        self.assertIn("sp", kept)
+        self.assertGreater(len(kept), 1)
+        now = self.call("processor.read")["registers"]
+        for name in kept:
+            self.assertEqual((answers[name], now[name]), (begun[name], before[name]), name)
+        self.call("processor.write", register=kept[-1], value=77)
         self.call("simulation.goto", instructions=16_000_000)
-        answer = self.call("history.last_write", register="r12")
+        answer = self.call("history.last_write", register=kept[-1])
         self.assertEqual((answer["by"], answer["new"]), ("processor.write", 77))
         self.assertEqual(answer["position"]["instructions"], 12_000_000)
 
