@@ -3,8 +3,10 @@
 CMake gives the places. By hand, in the top folder: PYTHONPATH=tests:scripts python3 tests/system/gdb_test.py Session
 """
 
+import functools
 import json
 import os
+import re
 import subprocess
 import tempfile
 import unittest
@@ -42,6 +44,25 @@ def output_of(*command, code=0, environment=None, timeout=400, **keywords):
     if done.returncode != code:
         raise AssertionError(f"{command}: {done.returncode}\n{done.stdout[-20000:]}{done.stderr[-20000:]}")
     return done.stdout
+
+
+@functools.cache
+def is_firmware_of_the_pages():
+    """Whether the firmware is compiled as for the figures of the pages, by GCC 12 of Debian 12. The code of another one
+    takes other times."""
+    command = ["arm-none-eabi-gcc", "-dumpversion"]
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout.startswith("12.")
+
+
+def agree(told, written, share=0.01):
+    """Whether a line that was printed is that of a page. Of another firmware numbers may differ by a share."""
+    if told == written or is_firmware_of_the_pages():
+        return told == written
+    number = re.compile(r"\d+(?:\.\d+)?(?:e-?\d+)?")
+    if number.sub("", told) != number.sub("", written):
+        return False
+    pairs = zip(map(float, number.findall(told)), map(float, number.findall(written)))
+    return all(abs(a - b) <= share * abs(b) for a, b in pairs)
 
 
 def without_host_times(result):

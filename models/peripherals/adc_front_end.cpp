@@ -6,6 +6,7 @@
 
 #include "capsoc_registers.h"
 #include "kit/register_table.h"
+#include "kit/seconds.h"
 #include "peripherals/quantiser.h"
 
 namespace capsoc::peripherals {
@@ -135,7 +136,7 @@ void AdcFrontEnd::take_sample() {
 
 double AdcFrontEnd::sample_seconds() const {
   if (index_ == 0) return 0.0;
-  if (clock_changed_) return (sc_core::sc_time_stamp() - first_sample_).to_seconds();
+  if (clock_changed_) return kit::to_seconds(sc_core::sc_time_stamp() - first_sample_);
   const uint64_t cycles = (index_ - segment_.index) * segment_.period;
   return segment_.seconds + static_cast<double>(cycles) / static_cast<double>(segment_.hz);
 }

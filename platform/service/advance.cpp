@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/printable.h"
+#include "kit/seconds.h"
 #include "serial/line_watch.h"
 #include "service/board_verbs.h"
 #include "trace/exception_name.h"
@@ -139,7 +140,7 @@ std::optional<Answer> Advance::plan_times() {
     return wrong(
         fmt::format("simulation.advance: it is {} s already; time goes forward only, go "
                     "back by simulation.goto",
-                    now.to_seconds()));
+                    kit::to_seconds(now)));
   return std::nullopt;
 }
 

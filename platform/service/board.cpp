@@ -9,6 +9,7 @@
 
 #include "base/nearest.h"
 #include "base/printable.h"
+#include "kit/seconds.h"
 #include "metrics/program_verdict.h"
 #include "results/results.h"
 #include "service/ticker.h"
@@ -336,10 +337,10 @@ std::optional<Error> Board::take_over(const Snapshot& from) {
 Json Board::state() {
   const armv7m::Core& core = soc().cpu.core();
   const sc_core::sc_time now = sc_core::sc_time_stamp();
-  return {{"time_s", now.to_seconds()}, {"time_ps", now.value()},
-          {"cycles", core.cycles()},    {"instructions", core.instructions()},
-          {"samples", sample_count()},  {"pc", core.reg(15)},
-          {"asleep", core.sleeping()},  {"over", is_finished() || simulation_->is_over()}};
+  return {{"time_s", kit::to_seconds(now)}, {"time_ps", now.value()},
+          {"cycles", core.cycles()},        {"instructions", core.instructions()},
+          {"samples", sample_count()},      {"pc", core.reg(15)},
+          {"asleep", core.sleeping()},      {"over", is_finished() || simulation_->is_over()}};
 }
 
 Json Board::finish() {

@@ -8,6 +8,7 @@
 #include "base/nearest.h"
 #include "base/printable.h"
 #include "kit/guest_error.h"
+#include "kit/seconds.h"
 #include "service/uart_tap.h"
 #include "trace/exception_name.h"
 
@@ -17,7 +18,7 @@ namespace {
 constexpr unsigned first_fault = 3, last_fault = 6;  // HardFault to UsageFault
 
 double now_s() {
-  return sc_core::sc_time_stamp().to_seconds();
+  return kit::to_seconds(sc_core::sc_time_stamp());
 }
 
 }  // namespace
@@ -121,7 +122,7 @@ void Events::look() {
 void Events::entered(const armv7m::Core& core, unsigned exception, armv7m::Entry, uint64_t) {
   const auto told = [&](const char* kind) {
     add({{"kind", kind},
-         {"time_s", soc_->clock.time_of(core.cycles()).to_seconds()},
+         {"time_s", kit::to_seconds(soc_->clock.time_of(core.cycles()))},
          {"exception", exception},
          {"name", trace::exception_name(exception)}});
   };
@@ -133,7 +134,7 @@ void Events::entered(const armv7m::Core& core, unsigned exception, armv7m::Entry
 /// `line`: bytes of a text in it.
 void Events::add(Json event, std::size_t line) {
   // By the event's own time: the kernel may lag the processor.
-  if (event.at("time_s").get<double>() < told_.to_seconds()) return;
+  if (event.at("time_s").get<double>() < kit::to_seconds(told_)) return;
   constexpr std::size_t of_an_event = 120, of_a_byte = 6;
   const std::size_t bytes = of_an_event + of_a_byte * line;
   if (bytes_ + bytes > most_bytes) {

@@ -13,7 +13,7 @@ import tempfile
 import unittest
 from pathlib import Path
 
-from harness import BUILD, CAPSOC, SOURCE
+from harness import BUILD, CAPSOC, SOURCE, agree, is_firmware_of_the_pages
 
 CTEST = {"name": "pages", "timeout": 600}
 
@@ -58,7 +58,7 @@ class Pages(unittest.TestCase):
                 elif kind == "text printed":
                     self.assertIsNotNone(printed, f"{where}: nothing was run before")
                     for expected in text.splitlines():
-                        if expected != "...":
+                        if expected != "..." and not any(agree(line, expected) for line in printed):
                             self.assertIn(expected, printed, where)
                 else:
                     self.assertIn(
@@ -160,10 +160,11 @@ class Picture(unittest.TestCase):
                 [*script, "--capsoc", CAPSOC, "--output", drawn], capture_output=True, text=True, check=False
             )
             self.assertEqual(process.returncode, 0, process.stderr)
+            pictures = [drawn.read_text(), (DOCS / "images" / "main_job.svg").read_text()]
+            if not is_firmware_of_the_pages():
+                pictures = [re.sub(r"\d+ instructions, \d+ cycles", "", picture) for picture in pictures]
             self.assertEqual(
-                drawn.read_text(),
-                (DOCS / "images" / "main_job.svg").read_text(),
-                "the main job prints something else: run scripts/tool main_job_picture and look at it",
+                *pictures, "the main job prints something else: run scripts/tool main_job_picture and look at it"
             )
 
 

@@ -10,6 +10,9 @@ from harness import FIRMWARE, SOURCE
 
 CTEST = {"name": "reverse", "timeout": 600}
 
+#: 0.0005 s, or the end of the instruction that is under way then.
+INSTANT = r"0\.0005\d*"
+
 OVERWRITTEN = FIRMWARE / "overwritten.elf"
 
 
@@ -84,7 +87,8 @@ stepi
 print $pc
 """
         )
-        self.assertEqual(out.count("No more reverse-execution history."), 2)
+        said = r"No more reverse-execution history\.|Reached end of recorded history; stopping\."  # GDB 13 and 16
+        self.assertEqual(len(re.findall(said, out)), 2)
         self.assertRegex(out, r"\$2 = .* <Reset_Handler>")
         self.assertIn("$3 = 1", out)
         self.assertIn(self.at("the call"), out)
@@ -111,9 +115,11 @@ detach
                 OVERWRITTEN,
             )
             _, text, _ = debugged.end()
-        self.assertIn("a new history begins here; history 1 is kept, until 0.00113184 s", out)
+        until = re.search(r"a new history begins here; history 1 is kept, until ([0-9.]+) s", out)[1]
+        self.assertRegex(until, r"^0\.0011\d*$")
         ends = re.findall(r"^end: +([0-9.]+) s", out, re.MULTILINE)
-        self.assertEqual(ends, ["0.00113184", "0.0005"])
+        self.assertEqual(ends[:1], [until])
+        self.assertRegex(ends[1], f"^{INSTANT}$")
         value = int(re.search(r"\$1 = (\d+)", out)[1])
         self.assertLess(value, 2200)
         self.assertGreater(value, 7)
@@ -155,9 +161,10 @@ monitor history x
         position = r"[0-9.]+ s, instruction \d+, cycle \d+, sample \d+"
         self.assertRegex(
             out,
-            rf"  1: 1 inputs, until {position}; the present one until 0.0005 s,.*\n\* 2: 2 inputs, until {position}\n",
+            rf"  1: 1 inputs, until {position}; the present one until {INSTANT} s,.*\n"
+            rf"\* 2: 2 inputs, until {position}\n",
         )
-        self.assertRegex(out, r"\* 1: 1 inputs, .*\n  2: 2 inputs, .*; the present one until 0.0005 s,")
+        self.assertRegex(out, rf"\* 1: 1 inputs, .*\n  2: 2 inputs, .*; the present one until {INSTANT} s,")
         self.assertIn("there is no history 3; history.list has those that are kept", out)
         self.assertIn("history: write the number of one, or nothing", out)
 
@@ -186,7 +193,7 @@ monitor itm port 0 on
 monitor help
 """
         )
-        self.assertRegex(out, r"shared: \d+ -> 2200\n")
+        self.assertLess(*map(int, re.search(r"shared: (\d+) -> (\d+)\n", out).groups()))
         self.assertIn("at 0.00", out)
         for said in (
             "goto: write a time as 0.25s, #INSTRUCTION, cycle N or sample N",

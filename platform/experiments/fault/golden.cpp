@@ -9,6 +9,7 @@
 #include "base/input_file.h"
 #include "fault/sample_results.h"
 #include "host/files.h"
+#include "kit/seconds.h"
 #include "session/simulation.h"
 
 namespace capsoc::fault {
@@ -44,7 +45,7 @@ class Recorder {
     if (auto error = look_and_begin()) return *error;
     if (auto error = simulation_.advance_to_end()) return *error;
     golden_.unread = watch.unread();
-    golden_.ended_s = sc_core::sc_time_stamp().to_seconds();
+    golden_.ended_s = kit::to_seconds(sc_core::sc_time_stamp());
     golden_.code = simulation_.finish().code;
     return std::move(golden_);
   }
@@ -57,7 +58,7 @@ class Recorder {
     return Error{fmt::format(
         "the run without a fault ends at {:.6g} s, before {:.6g} s; give earlier fault.from_s, "
         "fault.to_s and fault.until_s, or longer settings of the program",
-        sc_core::sc_time_stamp().to_seconds(), span_.until_s)};
+        kit::to_seconds(sc_core::sc_time_stamp()), span_.until_s)};
   }
 
   std::optional<Error> look_and_begin() {

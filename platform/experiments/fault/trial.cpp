@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "fault/sample_results.h"
+#include "kit/seconds.h"
 #include "results/exit_codes.h"
 #include "session/simulation.h"
 
@@ -64,7 +65,7 @@ class Trial {
     Ending ending;
     ending.golden_code = ending.code = golden_.code;
     ending.is_same_state = is_same_state;
-    const double now_s = sc_core::sc_time_stamp().to_seconds();
+    const double now_s = kit::to_seconds(sc_core::sc_time_stamp());
     const run::RunResult result = simulation_.finish();
     if (is_over) ending.code = result.code;
     // A program that gives up takes no more samples.

@@ -8,6 +8,7 @@
 
 #include "coprocessor/register_map.h"
 #include "inject/coprocessor_words.h"
+#include "kit/seconds.h"
 #include "soc/register_index.h"
 #include "trace/bus_trace.h"
 
@@ -26,7 +27,7 @@ std::vector<std::string> places_of_table() {
 }
 
 double now_s() {
-  return sc_core::sc_time_stamp().to_seconds();
+  return kit::to_seconds(sc_core::sc_time_stamp());
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "host/end_signals.h"
+#include "kit/seconds.h"
 
 namespace capsoc::run {
 namespace {
@@ -42,10 +43,10 @@ Verdict stopped(const End& end) {
             fmt::format("the limit of {:g} s of the host was hit", end.host_limit_s)};
   if (end.simlimit_reached)
     return {exit_code::limit, fmt::format("the limit of {:g} simulated s was hit",
-                                          sc_core::sc_time_stamp().to_seconds())};
+                                          kit::to_seconds(sc_core::sc_time_stamp()))};
   if (end.could_go_on)
     return {exit_code::pass,
-            fmt::format("closed at {:g} simulated s", sc_core::sc_time_stamp().to_seconds())};
+            fmt::format("closed at {:g} simulated s", kit::to_seconds(sc_core::sc_time_stamp()))};
   return {exit_code::internal, "the simulation ended without a reason"};
 }
 

@@ -9,6 +9,7 @@
 #include "base/input_file.h"
 #include "base/printable.h"
 #include "base/split.h"
+#include "kit/seconds.h"
 
 namespace capsoc::inject {
 namespace {
@@ -165,7 +166,7 @@ std::optional<Error> Injector::begin_from(const sc_core::sc_time& time, uint64_t
       return Error{fmt::format(
           "{}: its time is past: the run resumes from {:.12g} s, cycle {}, instruction {}, sample "
           "{}; name a later time, or leave the fault out: what it did is in the checkpoint",
-          injected->fault.origin, time.to_seconds(), cycle, instruction, sample)};
+          injected->fault.origin, kit::to_seconds(time), cycle, instruction, sample)};
     injected->is_over = true;
     injected->outcome.note = "before the snapshot from which the run resumes";
   }

@@ -8,6 +8,7 @@
 
 #include "base/nearest.h"
 #include "base/printable.h"
+#include "kit/seconds.h"
 #include "soc/board_map.h"
 
 namespace capsoc::inject {
@@ -33,7 +34,7 @@ void Position::note(Injected& injected, uint64_t before, uint64_t after) const {
   if (before != after) ++outcome.changes;
   if (outcome.applied) return;
   outcome.applied = true;
-  outcome.time_s = sc_core::sc_time_stamp().to_seconds();
+  outcome.time_s = kit::to_seconds(sc_core::sc_time_stamp());
   outcome.cycle = soc.clock.cycles_at(sc_core::sc_time_stamp());
   outcome.instruction = soc.cpu.core().instructions();
   outcome.before = before;

@@ -8,6 +8,7 @@
 
 #include "capsoc_registers.h"
 #include "coprocessor/sequencer.h"
+#include "kit/seconds.h"
 #include "metrics/truth_alignment.h"
 
 namespace capsoc::run {
@@ -60,7 +61,7 @@ std::optional<Error> Observation::open() {
 
 void Observation::converted(const peripherals::SensorSample& sample) {
   newest_ = {sample.number,
-             {sc_core::sc_time_stamp().to_seconds(),
+             {kit::to_seconds(sc_core::sc_time_stamp()),
               sample.u,
               sample.v,
               truth_.angle_turns,
@@ -148,7 +149,7 @@ void Observation::result(const coprocessor::Nodes& nodes, uint64_t number) {
   metrics_.result(r);
   watch_sampling(control);
   give(number, r, nodes);
-  progress_.update(sc_core::sc_time_stamp().to_seconds(), r.words);
+  progress_.update(kit::to_seconds(sc_core::sc_time_stamp()), r.words);
 }
 
 /// Results come in the order of their samples; a soft reset loses some on their way.

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "host/console.h"
+#include "kit/seconds.h"
 #include "trace/picoseconds.h"
 
 namespace capsoc::run {
@@ -114,7 +115,7 @@ void BoardPins::listen_to_leds() {
 
 /// Shows the pins in one line, which overwrites itself unless other output came in between.
 void BoardPins::draw() {
-  std::string text = fmt::format("[{:.6f} s]  LEDs ", sc_core::sc_time_stamp().to_seconds());
+  std::string text = fmt::format("[{:.6f} s]  LEDs ", kit::to_seconds(sc_core::sc_time_stamp()));
   for (unsigned led = 0; led < all_leds; ++led)
     text += fmt::format("{}{}", led == user_leds ? " " : "", (leds_ >> led & 1) != 0 ? '*' : '.');
   if (digit_of_ >= 0)

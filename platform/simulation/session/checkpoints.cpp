@@ -16,6 +16,7 @@
 #include "host/file_uses.h"
 #include "host/files.h"
 #include "kit/guest_error.h"
+#include "kit/seconds.h"
 #include "results/results.h"
 #include "session/run_files.h"
 #include "session/run_settings.h"
@@ -35,7 +36,7 @@ void want_save(int) {
 }
 
 std::string seconds_of(const sc_core::sc_time& time) {
-  return fmt::format("{:.12g}", time.to_seconds());
+  return fmt::format("{:.12g}", kit::to_seconds(time));
 }
 
 }  // namespace
@@ -109,7 +110,7 @@ Result<std::optional<checkpoint::Checkpoint>> checkpoint_to_restore(const RunSet
             fmt::format("{}: was saved with another {} ({}, here {}); give the same as then", file,
                         printable(name, 80), printable(was, 80), printable(is, 80))};
   const double limit = settings.limits.simulated_s();
-  const double begins = sc_core::sc_time::from_value(read.value().time).to_seconds();
+  const double begins = kit::to_seconds(sc_core::sc_time::from_value(read.value().time));
   if (limit > 0 && limit <= begins)
     return Error{
         fmt::format("{}: begins at {:g} s, where --simlimit {:g} has ended the run; "
@@ -278,7 +279,7 @@ std::optional<Error> Checkpoints::load(const checkpoint::Checkpoint& from) {
 void Checkpoints::restored() {
   for (kit::Component* part : soc_.components()) part->restored();
   const sc_core::sc_time now = sc_core::sc_time_stamp();
-  while (next_point_ < points_.size() && points_[next_point_].seconds < now.to_seconds())
+  while (next_point_ < points_.size() && points_[next_point_].seconds < kit::to_seconds(now))
     failures_.push_back(fmt::format("{}: not saved: the run resumes from a later time",
                                     points_[next_point_++].file));
   plan_regular(now);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <thread>
 
+#include "kit/seconds.h"
+
 namespace capsoc::run {
 namespace {
 
@@ -21,7 +23,8 @@ sc_core::sc_time RealTime::slice() const {
 
 void RealTime::pace(const sc_core::sc_time& now, const std::function<bool()>& give_up) {
   if (!on()) return;
-  const auto due = std::chrono::duration_cast<Clock::duration>(Seconds(now.to_seconds() / factor_));
+  const auto due =
+      std::chrono::duration_cast<Clock::duration>(Seconds(kit::to_seconds(now) / factor_));
   if (!start_) start_ = Clock::now() - due;
   const Seconds behind = Clock::now() - (*start_ + due);
   if (behind > most_behind) {

@@ -9,6 +9,7 @@
 #include "explain/fault_report.h"
 #include "explain/outcome.h"
 #include "host/end_signals.h"
+#include "kit/seconds.h"
 #include "observers/sample_recording.h"
 #include "session/end_on_idle.h"
 #include "session/run_files.h"
@@ -409,7 +410,7 @@ void Simulation::conclude_run(RunResult& result) const {
 
 void Simulation::take_figures(RunResult& result) const {
   const armv7m::Core& core = soc_.cpu.core();
-  result.simulated_s = sc_core::sc_time_stamp().to_seconds();
+  result.simulated_s = kit::to_seconds(sc_core::sc_time_stamp());
   result.instructions = core.instructions();
   result.cycles = core.cycles();
   result.translation = core.translation();

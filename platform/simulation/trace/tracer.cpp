@@ -7,6 +7,7 @@
 #include "armv7m/active_exception.h"
 #include "base/ends_with.h"
 #include "host/files.h"
+#include "kit/seconds.h"
 #include "trace/picoseconds.h"
 #include "trace/profile.h"
 #include "trace/save_file.h"
@@ -109,7 +110,7 @@ uint64_t Tracer::picoseconds_of(uint64_t cycle) const {
 }
 
 double Tracer::seconds_of(uint64_t cycle) const {
-  return soc_.clock.time_of(cycle).to_seconds();
+  return kit::to_seconds(soc_.clock.time_of(cycle));
 }
 
 /// After a change of the window.
@@ -204,7 +205,7 @@ void Tracer::transfer(const tlm::tlm_generic_payload& payload, const sc_core::sc
   if (kind == armv7m::AccessKind::fetch && payload.is_response_ok()) return;
   BusAccess seen;
   seen.cycle = soc_.clock.cycles_at(now + begin);
-  seen.seconds = (now + begin).to_seconds();
+  seen.seconds = kit::to_seconds(now + begin);
   seen.cycles = std::max<uint64_t>(1, soc_.clock.cycles_at(now + end) - seen.cycle + 1);
   seen.address = static_cast<uint32_t>(payload.get_address());
   seen.initiator = !kind                                ? "debugger"
