@@ -48,6 +48,7 @@ set(capsoc_verilator_flags "")
 if(NOT capsoc_verilator_version MATCHES "^Verilator 5\\.006 ")
   set(capsoc_verilator_flags -fno-dfg-peephole)
 endif()
+set_property(GLOBAL PROPERTY CAPSOC_VERILATOR_FLAGS ${capsoc_verilator_flags})  # for benches that call verilate()
 
 set(capsoc_verilator_definitions VL_TIME_CONTEXT VM_COVERAGE=1 VM_TRACE=1 VM_TRACE_FST=1 VM_SC=0)
 
