@@ -63,9 +63,9 @@ bool spelled_otherwise(const Encoding& e, const DecodedOp& op) {
   if (name == "add_reg_t2" && op.rm == 13) return true;
   // It knows one number of UDF as an operating system's trap.
   if (name == "udf_t1" && op.imm == 254) return true;
-  // Since version 5 it has names of Armv8: DFB for DSB 12, and ESB for hint 16.
+  // Since version 5 it has names of Armv8: DFB for DSB 12, ESB and CSDB for the hints 16 and 20.
   if (CS_API_MAJOR > 4 && name == "dsb_t1" && op.imm == 12) return true;
-  if (CS_API_MAJOR > 4 && name == "nop_t2" && op.imm == 16) return true;
+  if (CS_API_MAJOR > 4 && name == "nop_t2" && (op.imm == 16 || op.imm == 20)) return true;
   // PLDW, of the multiprocessing extension, which ARMv7-M does not have (A5.3.9).
   if (op.operation == Operation::nop && e.operation == Operation::ldrh) return true;
   // What the line does not have on this processor: HVC and the like.

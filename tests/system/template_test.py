@@ -11,7 +11,7 @@ from pathlib import Path
 
 from harness import BUILD, CAPSOC, Case, SOURCE
 
-CTEST = {"name": "system: Template", "whole": True, "timeout": 120}
+CTEST = {"name": "system: Template", "whole": True, "timeout": 300}
 
 PRINTED = "hello\nangle: 30.0000 degrees\n"
 CLEAN = {k: v for k, v in os.environ.items() if not k.startswith("CAPSOC_") and k not in ("CFLAGS", "MAKEFLAGS")}
