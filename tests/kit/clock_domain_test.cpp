@@ -5,6 +5,8 @@
 #include <limits>
 #include <random>
 
+#include "kit/seconds.h"
+
 namespace {
 
 using capsoc::kit::ClockDomain;
@@ -93,6 +95,18 @@ TEST(ClockDomain, AnEdgeBeyondTheEndOfTimeIsTheEndOfTime) {
 TEST(ClockDomain, AFrequencyOfZeroDoesNotStopTheModel) {
   ClockDomain clock(0);
   EXPECT_EQ(clock.frequency_hz(), 1u);
+}
+
+// SystemC 3.0 has 0.09999999999999999.
+TEST(Seconds, AreThoseOfSystemC234) {
+  EXPECT_EQ(capsoc::kit::to_seconds(sc_time(0.1, sc_core::SC_SEC)), 0.1);
+#if SC_VERSION_MAJOR == 2
+  std::mt19937_64 random(20261129);
+  for (int n = 0; n < 10000; ++n) {
+    const sc_time time = sc_time::from_value(random() >> (random() % 64));
+    EXPECT_EQ(capsoc::kit::to_seconds(time), time.to_seconds()) << time.value();
+  }
+#endif
 }
 
 }  // namespace
