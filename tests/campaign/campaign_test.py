@@ -364,7 +364,7 @@ class Workers(CampaignCase):
             f"""
 name = "hang"
 [limits]
-seconds = 0.7
+seconds = 3
 [[axes]]
 firmware.elf = ["{FIRMWARE}/forever.elf", "{FIRMWARE}/hello.elf"]
 """
