@@ -25,10 +25,23 @@ std::string default_sensor() {
 std::string ProgramField::meaning(const std::string& text) const {
   std::error_code ignored;
   if (text.find('/') != std::string::npos || std::filesystem::exists(text, ignored)) return text;
+  // A campaign asks for one program hundreds of thousands of times, and to look for it takes dozens
+  // of calls of the system.
+  struct Known {
+    std::string text, path;
+    std::filesystem::path folder;
+  };
+  thread_local Known last;
+  const std::filesystem::path folder = std::filesystem::current_path(ignored);
+  if (text == last.text && folder == last.folder &&
+      std::filesystem::is_regular_file(last.path, ignored))
+    return last.path;
   for (const char* ending : {"", ".elf"})
     if (std::string known = host::data_path("firmware/" + text + ending);
-        std::filesystem::is_regular_file(known, ignored))
+        std::filesystem::is_regular_file(known, ignored)) {
+      last = {text, known, folder};
       return known;
+    }
   return text;
 }
 
