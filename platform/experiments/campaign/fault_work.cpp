@@ -7,7 +7,6 @@
 
 #include <cerrno>
 #include <filesystem>
-#include <map>
 #include <set>
 
 #include "campaign/kinds.h"
@@ -74,10 +73,7 @@ class FaultWork final : public Work {
     if (auto error = settings_.set(assignments)) return *error;
     const fault::TrialSettings& trial = settings_.trial;
     Job job;
-    const std::string of_run = run_identity(settings_.run);
-    // One that cannot be read is the worker's to report.
-    if (folder_) remember(folder_of(of_run, settings_.span()));
-    job.identity = of_run + settings_identity(trial);
+    job.identity = run_identity(settings_.run) + settings_identity(trial);
     job.command = run::reproducing_command(settings_.run);
     job.command += fmt::format(" --inject '{}'",
                                trial.line.empty() ? "(fault.line of the result)" : trial.line());
@@ -105,8 +101,7 @@ class FaultWork final : public Work {
     spdlog::set_level(spdlog::level::off);
     const auto drawn = draw();
     if (!drawn) return Error{drawn.error()};
-    const fault::Golden& golden = *drawn.value().golden;
-    const fault::Drawn& chosen = drawn.value().fault;
+    const auto& [place, golden, chosen] = drawn.value();
     const bool is_endless = golden.code == run::exit_code::limit;
     const double limit_s = golden.ended_s + (is_endless ? 0 : settings_.trial.wait_s());
     for (const auto& [path, value] :
@@ -115,7 +110,7 @@ class FaultWork final : public Work {
       if (auto error =
               settings_.run.set(path, value, SettingSource::command_line, "the drawn fault"))
         return *error;
-    const auto outcome = outcome_of(drawn.value());
+    const auto outcome = outcome_of(place, golden, chosen);
     if (!outcome) return Error{outcome.error()};
     return json_of(outcome.value(), chosen, run::reproducing_command(settings_.run));
   }
@@ -134,24 +129,17 @@ class FaultWork final : public Work {
   }
 
  private:
-  /// A fault, with the golden run and the folder of its states.
-  struct DrawnFault {
-    std::string place;
-    const fault::Golden* golden;  // of goldens_
-    fault::Drawn fault;
-  };
-
-  Result<fault::Outcome> outcome_of(const DrawnFault& drawn) const {
-    const auto& [place, golden, chosen] = drawn;
+  Result<fault::Outcome> outcome_of(const std::string& place, const fault::Golden& golden,
+                                    const fault::Drawn& chosen) const {
     const fault::TrialSettings& trial = settings_.trial;
     if (trial.prune() && trial.line.empty() && trial.kind() == inject::Fault::Kind::flip) {
       fault::Outcome latent;
-      latent.not_simulated = fault::reason_not_read(chosen.place, chosen.bit, golden->unread);
+      latent.not_simulated = fault::reason_not_read(chosen.place, chosen.bit, golden.unread);
       if (!latent.not_simulated.empty()) return latent;
     }
     auto state = fault::read_state(place, chosen.start);
     if (!state) return Error{state.error()};
-    return fault::try_fault(settings_.run, trial, chosen, *golden, std::move(state.value()));
+    return fault::try_fault(settings_.run, trial, chosen, golden, std::move(state.value()));
   }
 
   static nlohmann::ordered_json json_of(const fault::Outcome& outcome, const fault::Drawn& drawn,
@@ -185,39 +173,32 @@ class FaultWork final : public Work {
                        settings.trial.units(), settings.trial.line());
   }
 
+  /// A fault, with the golden run and the folder of its states.
+  struct DrawnFault {
+    std::string place;
+    fault::Golden golden;
+    fault::Drawn fault;
+  };
+
   Result<DrawnFault> draw() {
     auto place = golden_folder();
     if (!place) return Error{place.error()};
-    if (auto error = remember(place.value())) return *error;
-    const fault::Golden& golden = goldens_.at(place.value());
-    auto drawn = fault::draw(settings_.trial, golden);
-    if (!drawn) return Error{drawn.error()};
-    return DrawnFault{std::move(place.value()), &golden, std::move(drawn.value())};
-  }
-
-  /// Reads the golden run, if it is there and was not read before. What a process has read, its
-  /// workers need not read again.
-  std::optional<Error> remember(const std::string& place) {
-    if (goldens_.count(place) != 0 || !fault::has_golden(place)) return std::nullopt;
-    auto golden = fault::read_golden(place);
+    auto golden = fault::read_golden(place.value());
     if (!golden) return Error{golden.error()};
-    // They come one after the other, so those of before are not missed.
-    if (goldens_.size() == most_goldens) goldens_.clear();
-    goldens_.emplace(place, std::move(golden.value()));
-    return std::nullopt;
-  }
-
-  std::string folder_of(const std::string& of_run, const fault::Span& span) const {
-    const std::string name =
-        host::sha256_of(of_run + fmt::format("{} {} {}", span.from_s, span.to_s, span.until_s));
-    return folder_->path() + "/" + name.substr(0, 16);
+    auto drawn = fault::draw(settings_.trial, golden.value());
+    if (!drawn) return Error{drawn.error()};
+    return DrawnFault{std::move(place.value()), std::move(golden.value()),
+                      std::move(drawn.value())};
   }
 
   /// Where the golden run of these settings is. The first worker that needs it performs it, in a
   /// separate process; the others wait.
   Result<std::string> golden_folder() {
-    std::string place = folder_of(run_identity(settings_.run), settings_.span());
-    if (goldens_.count(place) != 0) return place;
+    const fault::Span span = settings_.span();
+    std::string name =
+        host::sha256_of(run_identity(settings_.run) +
+                        fmt::format("{} {} {}", span.from_s, span.to_s, span.until_s));
+    std::string place = folder_->path() + "/" + name.substr(0, 16);
     std::error_code failure;
     std::filesystem::create_directories(place, failure);
     const host::Descriptor lock(
@@ -262,10 +243,7 @@ class FaultWork final : public Work {
 
   /// For golden runs, which all workers share.
   std::optional<host::TemporaryFolder> folder_;
-  static constexpr std::size_t most_goldens = 8;  // some megabytes each
-
-  std::map<std::string, fault::Golden> goldens_;  // by folder
-  std::set<std::string> checked_;                 // decides_on_places() of those
+  std::set<std::string> checked_;  // decides_on_places() of those
   FaultSettings settings_;  // of one run in turn: to declare them takes far longer than to set
 };
 
