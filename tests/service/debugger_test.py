@@ -64,11 +64,11 @@ class Reverse(Debugged):
         while len(set(pcs.values())) < 20:  # a loop that waits; where it is depends on the compiler
             first = self.count()
             pcs, states, places = self.stepped(first, length)
+        limit = {"kind": "breakpoint", "address": pcs[first + length]}
         # Which of them are written or read depends on the compiler.
         for _ in range(8):
             watched = draw.sample(sorted(places), min(4, len(places)))
             points = [{"kind": draw.choice(["write", "access", "read"]), "address": at, "size": 4} for at in watched]
-            limit = {"kind": "breakpoint", "address": pcs[first + length]}
             if hits := self.hits(program, first, first + length, points, limit, **settings):
                 break
 

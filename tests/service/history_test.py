@@ -9,7 +9,7 @@ import os
 import random
 import unittest
 
-from harness import without_host_times
+from harness import is_firmware_of_the_pages, without_host_times
 from protocol_test import Driven, Refused
 
 CTEST = {"name": "service: history", "timeout": 900, "interpreter": "/usr/bin/python3"}
@@ -603,14 +603,15 @@ class Questions(Past):
         answers = {name: self.call("history.last_write", register=name) for name in self.REGISTERS}
         # Which registers the loops leave alone is the compiler's choice.
         kept = [name for name in self.REGISTERS if answers[name]["position"]["instructions"] < 50_000]
-        self.assertIn("sp", kept)
+        self.assertLessEqual({"sp", "r11"} if is_firmware_of_the_pages() else {"sp"}, set(kept))
         self.assertGreater(len(kept), 1)
         now = self.call("processor.read")["registers"]
         for name in kept:
             self.assertEqual((answers[name], now[name]), (begun[name], before[name]), name)
-        self.call("processor.write", register=kept[-1], value=77)
+        unused = "r12" if is_firmware_of_the_pages() else kept[-1]
+        self.call("processor.write", register=unused, value=77)
         self.call("simulation.goto", instructions=16_000_000)
-        answer = self.call("history.last_write", register=kept[-1])
+        answer = self.call("history.last_write", register=unused)
         self.assertEqual((answer["by"], answer["new"]), ("processor.write", 77))
         self.assertEqual(answer["position"]["instructions"], 12_000_000)
 

@@ -6,12 +6,12 @@ import unittest
 
 import gdb_test
 from gdb_test import Run, gdb
-from harness import FIRMWARE, SOURCE
+from harness import FIRMWARE, SOURCE, is_firmware_of_the_pages
 
 CTEST = {"name": "reverse", "timeout": 600}
 
-#: 0.0005 s, or the end of the instruction that is under way then.
-INSTANT = r"0\.0005\d*"
+#: 0.0005 s; with the code of another compiler the end of the instruction that is under way then.
+INSTANT = r"0\.0005" if is_firmware_of_the_pages() else r"0\.0005\d*"
 
 OVERWRITTEN = FIRMWARE / "overwritten.elf"
 
@@ -117,14 +117,16 @@ detach
             _, text, _ = debugged.end()
         until = re.search(r"a new history begins here; history 1 is kept, until ([0-9.]+) s", out)[1]
         self.assertGreater(float(until), 0.0005)
+        if is_firmware_of_the_pages():
+            self.assertEqual(until, "0.00113184")
         ends = re.findall(r"^end: +([0-9.]+) s", out, re.MULTILINE)
-        self.assertEqual(ends[:1], [until])
-        self.assertRegex(ends[1], f"^{INSTANT}$")
+        self.assertRegex(" ".join(ends), f"^{re.escape(until)} {INSTANT}$")
         value = int(re.search(r"\$1 = (\d+)", out)[1])
         self.assertLess(value, 2200)
         self.assertGreater(value, 7)
         # What other futures said, too: the text from 0.0005 s on, and that of the run from its beginning.
-        self.assertRegex(text, rb"^before\n\w*e\nbefore\n$")
+        again = b"re" if is_firmware_of_the_pages() else rb"\w*e"
+        self.assertRegex(text, rb"^before\n" + again + rb"\nbefore\n\Z")
 
     def test_histories(self):
         """What was left is simulated again, and GDB sees at once where the processor is."""
@@ -193,7 +195,8 @@ monitor itm port 0 on
 monitor help
 """
         )
-        self.assertLess(*map(int, re.search(r"shared: (\d+) -> (\d+)\n", out).groups()))
+        last = "2200" if is_firmware_of_the_pages() else r"\d+"
+        self.assertRegex(out, rf"shared: \d+ -> {last}\n")
         self.assertIn("at 0.00", out)
         for said in (
             "goto: write a time as 0.25s, #INSTRUCTION, cycle N or sample N",
